@@ -99,6 +99,14 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
         one.inside, other.inside = k, i
         if min(one.within, other.within) > _TOGETHER:
             return True
+    return _may_be_parts(rules, one, other, a, b) and _move_together(rules, world, i, k)
+
+
+@step
+def _move_together(rules: Rules, world: World, i: int, k: int) -> bool:
+    """Whether two objects have equal velocities, as far as these are known."""
+    a, b = world.state[i], world.state[k]
+    one, other = world.objects[i], world.objects[k]
     fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
     unsure = 0.0
     for axis in range(2):
@@ -106,8 +114,12 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     # Two that have come far alone must be known to move together; of others it need only be possible.
     known = min(one.travel, other.travel) >= _FAR and one.track_id >= 0 and other.track_id >= 0
     most = fast - np.sqrt(unsure) if known else fast + np.sqrt(unsure)
-    if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * most:
-        return False
+    return bool(np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) <= rules.merge_velocity * most)
+
+
+@step
+def _may_be_parts(rules: Rules, one: Any, other: Any, a: Table, b: Table) -> bool:
+    """Whether two objects may be one by their places: a small one close to another, or parts as in `are_parts`."""
     half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
     larger = max(half_a, half_b)
     apart = max(_gap(a, b, 0), _gap(a, b, 1))
