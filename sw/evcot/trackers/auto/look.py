@@ -85,12 +85,18 @@ def _of_another(world: World, i: int, n: int, x: float, y: float) -> bool:
 
 
 @step
+def _first(row: Any) -> int:
+    """The first bin of a row of which one at least is set."""
+    return int(trailing_zeros(row))  # type: ignore[call-arg]
+
+
+@step
 def _clear(world: World) -> None:
     """Empty the bins."""
     for y in range(BINS):
         row = world.filled[y]
         while row != _NO_BINS:
-            world.bins[y, int(trailing_zeros(row))] = 0.0
+            world.bins[y, _first(row)] = 0.0
             row &= row - _ONE
         world.filled[y] = _NO_BINS
 
@@ -178,7 +184,7 @@ def _smooth(world: World, rows: int, columns: int) -> None:
     for y in range(rows):
         row = world.filled[y]
         while row != _NO_BINS:
-            x = int(trailing_zeros(row))
+            x = _first(row)
             row &= row - _ONE
             total = 0.0
             for v in range(max(y - 1, 0), min(y + 2, rows)):
@@ -197,7 +203,7 @@ def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach:
             continue
         row = world.filled[y]
         while row != _NO_BINS:
-            x = int(trailing_zeros(row))
+            x = _first(row)
             row &= row - _ONE
             if abs((x + 0.5) * bin_px - reach[0]) <= s[0, 2]:
                 total += world.bins[y, x]
@@ -250,9 +256,9 @@ def _find_parts(world: World, level: float, rows: int, half: Table, reach: Table
         free[y] = row = world.filled[y]
         world.taken[y] = _NO_BINS
         while row != _NO_BINS:
-            x = trailing_zeros(row)
+            x = _first(row)
             row &= row - _ONE
-            if world.around[y, int(x)] < level:
+            if world.around[y, x] < level:
                 free[y] ^= _ONE << np.uint64(x)
     n = 0
     for y in range(rows):
@@ -265,7 +271,7 @@ def _find_parts(world: World, level: float, rows: int, half: Table, reach: Table
                 row = world.part[yy]
                 world.taken[yy] |= row
                 while row != _NO_BINS:
-                    xx = int(trailing_zeros(row))
+                    xx = _first(row)
                     row &= row - _ONE
                     label[yy, xx] = n + 1
                     mass += world.bins[yy, xx]
@@ -402,7 +408,7 @@ def _measure_sides(rules: Rules, world: World, rows: int, columns: int, bin_px: 
     for y in range(rows):
         row = world.taken[y]
         while row != _NO_BINS:
-            x = int(trailing_zeros(row))
+            x = _first(row)
             row &= row - _ONE
             if world.parts[world.label[y, x] - 1, 2, 0] > 0.0:
                 line[0, x] += world.bins[y, x]
@@ -438,9 +444,11 @@ def _span(low: float, high: float, centre: float, count: int, bin_px: int, reach
 
 @step
 def _sum(world: World, y: int, begin: int, end: int) -> float:
-    total, row = 0.0, world.filled[y] & ((_ONE << np.uint64(end)) - (_ONE << np.uint64(begin)))
+    """The pixels in a row of bins from `begin` to `end`, exclusive."""
+    total = 0.0
+    row = world.filled[y] & ((_ONE << np.uint64(end)) - (_ONE << np.uint64(begin)))
     while row != _NO_BINS:
-        total += world.bins[y, int(trailing_zeros(row))]
+        total += world.bins[y, _first(row)]
         row &= row - _ONE
     return total
 
