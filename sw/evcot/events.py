@@ -103,7 +103,7 @@ class Events:
         return Events(*(np.require(column, requirements=["C", "A"]) for column in columns))
 
     def read_only(self) -> Events:
-        """The same columns, not to be written: compiled loops compile once for these, not again for columns that can be."""
+        """Views of the columns that cannot be written. Numba compiles a loop for each kind of array; so all get this one."""
         seen = self[:]
         for column in (seen.t_us, seen.x, seen.y, seen.p):
             column.flags.writeable = False

@@ -7,7 +7,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from itertools import chain
+from itertools import islice
 from typing import TypeVar
 
 __all__ = ["in_order"]
@@ -28,14 +28,7 @@ def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece], work
     after the results of all pieces before it, and ends the iteration. With one worker, pieces are decoded one by one.
     """
     source = iter(pieces)
-    for first in source:
-        yield decode(first)
-        break
-    for second in source:
-        yield from _ahead(decode, chain([second], source), workers)
-
-
-def _ahead(decode: Callable[[_Piece], _Result], source: Iterator[_Piece], workers: int) -> Iterator[_Result]:
+    yield from map(decode, islice(source, 1))
     waiting: deque[Future[_Result]] = deque()
     failure: Exception | None = None
     with ThreadPoolExecutor(workers, "decode") as pool:

@@ -99,7 +99,7 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
         one.inside, other.inside = k, i
         if min(one.within, other.within) > _TOGETHER:
             return True
-    return _may_be_parts(rules, one, other, a, b) and _move_together(rules, world, i, k)
+    return _may_be_parts(rules, world, i, k) and _move_together(rules, world, i, k)
 
 
 @step
@@ -118,8 +118,10 @@ def _move_together(rules: Rules, world: World, i: int, k: int) -> bool:
 
 
 @step
-def _may_be_parts(rules: Rules, one: Any, other: Any, a: Table, b: Table) -> bool:
+def _may_be_parts(rules: Rules, world: World, i: int, k: int) -> bool:
     """Whether two objects may be one by their places: a small one close to another, or parts as in `are_parts`."""
+    a, b = world.state[i], world.state[k]
+    one, other = world.objects[i], world.objects[k]
     half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
     larger = max(half_a, half_b)
     apart = max(_gap(a, b, 0), _gap(a, b, 1))

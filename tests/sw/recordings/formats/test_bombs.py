@@ -8,7 +8,6 @@ return the events that are really in the file, or refuse it in one line; never a
 from __future__ import annotations
 
 import bz2
-import functools
 import json
 import struct
 import subprocess
@@ -17,7 +16,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, reduce
 from pathlib import Path
 
 import h5py
@@ -110,7 +109,7 @@ def deflated(*parts: tuple[bytes, int]) -> bytes:
 
 def zlib_stream(*parts: tuple[bytes, int]) -> bytes:
     """The same with the head and the checksum of zlib."""
-    check = functools.reduce(lambda adler, content: zlib.adler32(content, adler), contents_of(*parts), 1)
+    check = reduce(lambda adler, content: zlib.adler32(content, adler), contents_of(*parts), 1)
     return b"\x78\x9c" + deflated(*parts) + check.to_bytes(4, "big")
 
 
@@ -230,7 +229,7 @@ def deflated_zip(path: Path, members: dict[str, tuple[bytes, int]]) -> Path:
     with path.open("wb") as file:
         for stem, (head, zeros) in members.items():
             parts, name, place = ((head, 1), (b"\0", zeros)), f"{stem}.npy".encode(), file.tell()
-            data, check = deflated(*parts), functools.reduce(lambda crc, step: zlib.crc32(step, crc), contents_of(*parts), 0)
+            data, check = deflated(*parts), reduce(lambda crc, step: zlib.crc32(step, crc), contents_of(*parts), 0)
             sizes = struct.pack("<IIIHH", check, len(data), len(head) + zeros, len(name), 0)
             fields = struct.pack("<HHHHH", 20, 0, zipfile.ZIP_DEFLATED, 0, 33) + sizes
             file.write(b"PK\3\4" + fields + name + data)
@@ -373,9 +372,8 @@ def test_an_hdf5_chunk_that_unpacks_to_more_than_a_chunk_is_refused(tmp_path: Pa
 
 def test_hdf5_of_megabytes_that_holds_gigabytes_is_given_in_blocks(tmp_path: Path) -> None:
     rows, chunk_rows = 1 << 24, 1 << 20
-    path = hdf5_with(
-        tmp_path / "bomb.h5", zlib_stream((b"\0", 8 * chunk_rows + (8 << 20))), rows=rows, chunk_rows=chunk_rows * 2
-    )
+    chunk = zlib_stream((b"\0", 8 * chunk_rows + (8 << 20)))
+    path = hdf5_with(tmp_path / "bomb.h5", chunk, rows=rows, chunk_rows=chunk_rows * 2)
     assert path.stat().st_size < 4 << 20
     assert answer_to(path) == Answer(rows, 1 << 15, "")
 
@@ -474,9 +472,7 @@ def test_matlab_7_3_is_bounded_as_hdf5_is(tmp_path: Path) -> None:
     with h5py.File(path, "w", userblock_size=512) as file:
         for name in ("x", "y", "p", "ts"):
             dataset = file.create_dataset(f"TD/{name}", (1, rows), "<f8", chunks=(1, rows), compression="gzip")
-            dataset.id.write_direct_chunk(
-                (0, 0), zlib_stream((b"\0", 1 << 30)) if name == "p" else zlib.compress(bytes(8 * rows))
-            )
+            dataset.id.write_direct_chunk((0, 0), zlib_stream((b"\0", 1 << 30 if name == "p" else 8 * rows)))
     with path.open("r+b") as raw:
         raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
     assert "/TD/p: values 0 to 131071: chunk" in answer_to(path).refusal
