@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 
 __all__ = ["run"]
@@ -10,6 +11,9 @@ __all__ = ["run"]
 
 def run() -> int:
     """Load the command line and run it; returns the exit code."""
+    # Loading makes a million objects that stay until the end. To search them for garbage while they are made, and once more
+    # when the process ends, would take a fifth of the time of a short command.
+    gc.set_threshold(100_000)
     try:
         from .cli import main
 
@@ -17,6 +21,8 @@ def run() -> int:
     except KeyboardInterrupt:
         print("evcot: interrupted: nothing was written", file=sys.stderr)
         return 2
+    finally:
+        gc.freeze()
 
 
 if __name__ == "__main__":

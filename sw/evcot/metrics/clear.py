@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
+from ..tracks.pairing import assignment
 from .frames import Frames, Matches
 
 __all__ = ["Clear", "clear"]
@@ -63,7 +63,7 @@ def clear(frames: Frames, threshold: float = 0.5) -> Clear:
             continue
         score = _CONTINUED * (tracks == before[truth][:, None]) + similarity
         score[similarity < threshold - _EPS] = 0
-        row, column = linear_sum_assignment(score, maximize=True)
+        row, column = assignment(score)
         matched = score[row, column] > _EPS
         row, column = row[matched], column[matched]
         objects, partners = truth[row], tracks[column]

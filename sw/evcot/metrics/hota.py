@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
+from ..tracks.pairing import assignment
 from .frames import Frames, Matches, Pairs
 
 __all__ = ["THRESHOLDS", "Hota", "hota"]
@@ -59,7 +59,7 @@ def _match(frames: Frames) -> Matches:
     alignment = _alignment(frames)
     parts = []
     for frame, (truth, tracks, similarity) in enumerate(zip(frames.truth, frames.tracks, frames.similarity, strict=True)):
-        row, column = linear_sum_assignment(alignment[np.ix_(truth, tracks)] * similarity, maximize=True)
+        row, column = assignment(alignment[np.ix_(truth, tracks)] * similarity)
         parts.append((frame, truth[row], tracks[column], similarity[row, column]))
     return Matches.joined(parts)
 

@@ -5,11 +5,23 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-__all__ = ["best_pairs", "closest_pairs", "most_first", "within"]
+__all__ = ["assignment", "best_pairs", "closest_pairs", "most_first", "within"]
+
+
+def assignment(gain: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns, each at most once, that maximise the total gain; rows ascending.
+
+    Args:
+        gain: (rows, columns) gain of each pair.
+    """
+    # Loaded at the first choice to make: it takes longer than all else that a short command loads of scipy.
+    from scipy.optimize import linear_sum_assignment
+
+    rows, columns = linear_sum_assignment(gain, maximize=True)
+    return rows, columns
 
 
 def best_pairs(left: NDArray[np.int64], right: NDArray[np.int64], gain: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -43,7 +55,7 @@ def best_pairs(left: NDArray[np.int64], right: NDArray[np.int64], gain: NDArray[
         gains[row, column] = gain[pairs]
         index = np.full(gains.shape, -1)
         index[row, column] = pairs
-        picked = index[linear_sum_assignment(gains, maximize=True)]
+        picked = index[assignment(gains)]
         chosen.append(picked[picked >= 0])
     return np.sort(np.concatenate(chosen))
 
