@@ -62,10 +62,6 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-def pytest_unconfigure() -> None:
-    gc.freeze()
-
-
 @pytest.fixture(scope="session")
 def kernels() -> None:
     """The kernels of the engines `auto` and `rct`, compiled by one process while others that ask for them wait.

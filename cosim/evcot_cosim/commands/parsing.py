@@ -8,6 +8,7 @@ before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
+import gc
 import itertools
 import re
 import sys
@@ -203,6 +204,7 @@ class Action:
     def function(self) -> Callable[[argparse.Namespace, Sequence[str]], int]:
         """The function itself: from the options and the whole command line to an exit code."""
         found: Callable[[argparse.Namespace, Sequence[str]], int] = resolve_name(f"{__package__}.actions.{self.place}")
+        gc.freeze()  # what was loaded stays: no search for garbage in it, not even at the end
         return found
 
 
