@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
+from ..bits import count
 from .layout import CELL_BITS, INSIDE, LEVELS, NOBODY, Rules, World
 from .look import look_at_group
 
@@ -39,19 +40,8 @@ _LOST_SIGHT = 0.15  # half sides without support, from which an object may be fo
 _FOLLOWS = 1.0  # half sides of travel, in which the rest of an object follows its centre over the edge
 _FOUND_WITHIN = 3.0  # half sides
 _ALIKE = 3.5  # ratio of sizes
+_ALL, _ONES = np.uint64(0xFFFFFFFFFFFFFFFF), np.uint64(0x0101010101010101)  # all bits; the lowest of each byte
 _FILLED = 0.5  # of a sensor: a group that covers more is no object
-
-
-_PAIRS, _NIBBLES, _BYTES = (np.uint64(word) for word in (0x5555555555555555, 0x3333333333333333, 0x0F0F0F0F0F0F0F0F))
-_ONES = np.uint64(0x0101010101010101)
-
-
-@step
-def _count(word: Any) -> int:
-    """Number of set bits in a 64-bit word: sums of pairs, of fours, of bytes."""
-    pairs = word - ((word >> np.uint64(1)) & _PAIRS)
-    fours = (pairs & _NIBBLES) + ((pairs >> np.uint64(2)) & _NIBBLES)
-    return int((((fours + (fours >> np.uint64(4))) & _BYTES) * _ONES) >> np.uint64(56))
 
 
 @step
@@ -88,7 +78,7 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
         at = world.queue[done]
         word = world.group[done]
         done += 1
-        found += _count(word)
+        found += count(word)
         r, c = at // columns, at % columns
         for y in range(8):
             for x in range(8):
@@ -99,7 +89,7 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
                     box[3] = max(box[3], (r << CELL_BITS) + y)
         for rr in range(max(r - 1, 0), min(r + 2, rows)):
             for cc in range(max(c - 1, 0), min(c + 2, columns)):
-                if words[rr, cc] != np.uint64(0) and _count(words[rr, cc]) >= least:
+                if words[rr, cc] != np.uint64(0) and count(words[rr, cc]) >= least:
                     world.queue[n] = rr * columns + cc
                     world.group[n] = words[rr, cc]
                     words[rr, cc] = np.uint64(0)
@@ -156,7 +146,7 @@ def _drift(world: World, box: Table, t_us: int, window_us: int) -> float:
     middle_x, middle_y = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
     for y in range(int(box[2]), int(box[3]) + 1):
         for x in range(int(box[0]), int(box[1]) + 1):
-            ago_s = 1e-6 * (t_us - world.seen[y, x, 0])
+            ago_s = 1e-6 * (t_us - world.seen[y, x])
             if ago_s > 1e-6 * window_us:
                 continue
             dx, dy = x - middle_x, y - middle_y
@@ -265,6 +255,14 @@ def _resume(world: World, i: int, box: Table) -> None:
 
 
 @step
+def _run(first: int, last: int) -> Any:
+    """A word with its bits from `first` to `last` set; none if there are none."""
+    if last < first:
+        return np.uint64(0)
+    return (_ALL >> np.uint64(63 - last + first)) << np.uint64(first)
+
+
+@step
 def _sweep(world: World) -> None:
     """Remove the pixels in objects' boxes and gates."""
     rows, columns = world.pixels.shape[1:]
@@ -279,12 +277,9 @@ def _sweep(world: World) -> None:
             y0, y1 = max(top - (row << CELL_BITS), 0), min(bottom - (row << CELL_BITS), 7)
             for column in range(max(left, 0) >> CELL_BITS, min((right >> CELL_BITS) + 1, columns)):
                 x0, x1 = max(left - (column << CELL_BITS), 0), min(right - (column << CELL_BITS), 7)
-                bits = np.uint64(0)
-                for y in range(y0, y1 + 1):
-                    for x in range(x0, x1 + 1):
-                        bits |= world.bits[y, x]
+                outside = ~(_run(x0, x1) * _ONES & _run(8 * y0, 8 * y1 + 7))
                 for level in range(LEVELS):
-                    world.pixels[level, row, column] &= ~bits
+                    world.pixels[level, row, column] &= outside
 
 
 @step
@@ -297,7 +292,7 @@ def _measure_noise(world: World, level: int, window_us: int) -> None:
     for row in range(rows):
         for column in range(columns):
             if world.near[row, column, 0] == NOBODY:
-                world.counts[_count(world.pixels[level, row, column])] += 1
+                world.counts[count(world.pixels[level, row, column])] += 1
                 cells += 1
     if cells < 16:
         return
@@ -331,17 +326,13 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
         known = run.noise >= 0.0
         mean = 64.0 * (1.0 - np.exp(-1e-6 * window_us * max(run.noise, 0.0)))
         least = max(_CELL_PIXELS, mean + _SIGMAS * np.sqrt(mean) + (1.0 if mean > 0.2 else 0.0))
-        for row in range(rows):
+        if level + 1 < LEVELS:
+            for row in range(rows):
+                for column in range(columns):
+                    world.pixels[level + 1, row, column] |= world.pixels[level, row, column]
+        for row in range(rows if known else 0):
             for column in range(columns):
-                word = world.pixels[level, row, column]
-                if word == np.uint64(0):
-                    continue
-                if level + 1 < LEVELS:
-                    world.pixels[level + 1, row, column] |= word
-        for row in range(rows):
-            for column in range(columns):
-                word = world.pixels[level, row, column]
-                if word == np.uint64(0) or not known or _count(word) < least:
+                if count(world.pixels[level, row, column]) < least:
                     continue
                 found, cells = _gather(world, level, row, column, box, least)
                 if found < rules.birth_pixels + cells * least or cells >= _FILLED * rows * columns:

@@ -44,7 +44,7 @@ def _owner(world: World, x: int, y: int) -> int:
 def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int, owner: Table, out: Table) -> int:
     """Track events from `begin` on until all are done or `out` could overflow; returns the number done."""
     run = world.run[0]
-    seen, first_us = world.seen, run.first_us
+    seen, noted, first_us = world.seen, world.noted, run.first_us
     if run.packet_end_us == UNSET_US and len(ts) > begin:
         first_us = run.first_us = ts[begin]
     most = RECORDS_PER_PACKET * len(world.objects)
@@ -62,8 +62,8 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
         x, y = int(xs[e]), int(ys[e])
         i = NOBODY
         index += 1
-        if rests(seen, x, y, epoch_of(t_us, first_us)):
-            seen[y, x, 0] = t_us
+        if rests(noted, x, y, epoch_of(t_us, first_us)):
+            seen[y, x] = t_us
             world.pixels[0, y >> CELL_BITS, x >> CELL_BITS] |= world.bits[y & 7, x & 7]
             if world.near[y >> CELL_BITS, x >> CELL_BITS, 0] != NOBODY:
                 i = _owner(world, x, y)

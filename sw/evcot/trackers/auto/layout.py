@@ -146,7 +146,8 @@ class World(NamedTuple):
     rest: Table
     bounds: Table
     group_box: Table  # (4,)
-    seen: Table  # (height, width, 2) int64: the time of each pixel's last event; and see `restless.rests`
+    seen: Table  # (height, width) int64: the time of each pixel's last event that counts
+    noted: Table  # (height, width) int32: see `restless.rests`
     near: Table  # (rows, columns, NEAR): the slots of the objects near each cell, then NOBODY
     pixels: Table  # (LEVELS, rows, columns) uint64: pixels of each cell with events outside objects
     bits: Table  # (8, 8) uint64: the bit of each pixel of a cell
@@ -171,8 +172,6 @@ def make_world(n_objects: int, width: int, height: int) -> World:
     run["packet_end_us"] = run["last_us"] = UNSET_US
     run["noise"] = -1.0
     run["packet"] = 1
-    seen = np.zeros((height, width, 2), np.int64)
-    seen[:, :, 0] = UNSET_US
     return World(
         run,
         np.zeros(n_objects, OBJECT),
@@ -196,7 +195,8 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros((2, 2)),
         np.zeros((2, 2)),
         np.zeros(4),
-        seen,
+        np.full((height, width), UNSET_US, np.int64),
+        np.zeros((height, width), np.int32),
         np.full((rows, columns, NEAR), NOBODY, np.int16),
         np.zeros((LEVELS, rows, columns), np.uint64),
         np.uint64(1) << np.arange(64, dtype=np.uint64).reshape(8, 8),

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..._numba_private import step, trailing_zeros
+from ..._numba_private import step
+from ..bits import lowest, without_lowest
 from ..kalman.motion import correct
+from .bins import NO_BINS, clear, fill, find_parts, pixels_in, smooth, span
 from .layout import BINS, CELL_BITS, NOBODY, Rules, World
 from .unity import are_parts
 
@@ -48,7 +50,6 @@ _APART = 5  # looks in a row
 _OFF_PX = 1.0
 _JUMP = 4.0  # standard deviations of a side, from which it has jumped
 _BORDER_PX = 1.5
-_NO_BINS, _ONE = np.uint64(0), np.uint64(1)
 _USUAL = 0.2  # how much of a look's pixels goes into what is usual
 
 
@@ -75,44 +76,30 @@ def _window_s(rules: Rules, world: World, i: int) -> float:
 def _of_another(world: World, i: int, n: int, x: float, y: float) -> bool:
     """Whether a place lies closer, in half sides, to one of `n` objects that this one meets."""
     s = world.state[i]
-    own = max(abs(x - s[0, 0]) / s[0, 2], abs(y - s[1, 0]) / s[1, 2])
     for k in range(n):
-        other, o = world.state[world.meeting[k]], world.objects[world.meeting[k]]
+        other, gate = world.state[world.meeting[k]], world.objects[world.meeting[k]].gate
         dx, dy = abs(x - other[0, 0]), abs(y - other[1, 0])
-        if max(dx / other[0, 2], dy / other[1, 2]) < own and dx < other[0, 2] + o.gate and dy < other[1, 2] + o.gate:
-            return True
+        if dx < other[0, 2] + gate and dy < other[1, 2] + gate:
+            own = max(abs(x - s[0, 0]) / s[0, 2], abs(y - s[1, 0]) / s[1, 2])
+            if max(dx / other[0, 2], dy / other[1, 2]) < own:
+                return True
     return False
 
 
 @step
-def _first(row: Any) -> int:
-    """The first bin of a row of which one at least is set."""
-    return int(trailing_zeros(row))  # type: ignore[call-arg]
-
-
-@step
-def _clear(world: World) -> None:
-    """Empty the bins."""
-    for y in range(BINS):
-        row = world.filled[y]
-        while row != _NO_BINS:
-            world.bins[y, _first(row)] = 0.0
-            row &= row - _ONE
-        world.filled[y] = _NO_BINS
-
-
-@step
-def _fill(world: World, y: int, x: int) -> None:
-    """Count a pixel in a bin."""
-    world.bins[y, x] += 1.0
-    world.filled[y] |= _ONE << np.uint64(x)
+def _lately(world: World, y: int, begin: int, end: int, since_us: int) -> Any:
+    """The pixels of a row, up to 64 from `begin` on, that have sent an event since then: a bit each."""
+    row, word = world.seen[y, begin:end], np.uint64(0)
+    for k in range(len(row)):
+        word |= np.uint64(row[k] >= since_us) << np.uint64(k)
+    return word
 
 
 @step
 def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin_px: int, reach: Table, n: int) -> float:
     """Fill the bins; returns the share of the pixels in the box that sent an event lately."""
     s = world.state[i]
-    _clear(world)
+    clear(world)
     since_us = t_us - int(1e6 * window_s)
     first = world.rest
     for axis in range(2):
@@ -123,23 +110,28 @@ def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin
         first[axis, 1] = min(s[axis, 0] + reach[axis] + wider + max(back, 0.0), size - 1.0)
     inside, late = 1e-9, 0.0
     late_s = max(0.5 * window_s, _LATE * max(s[0, 2], s[1, 2]) / _pace(world, i))
-    grow_x, grow_y = s[0, 3] / s[0, 2], s[1, 3] / s[1, 2]
+    # Read once: what is written to the bins could be the same memory, for all the compiler knows.
+    (at_x, vx, half_x), (at_y, vy, half_y) = (s[0, 0], s[0, 1], s[0, 2]), (s[1, 0], s[1, 1], s[1, 2])
+    grow_x, grow_y = s[0, 3] / half_x, s[1, 3] / half_y
+    reach_x, reach_y = reach[0], reach[1]
+    left, right = int(np.ceil(first[0, 0])), int(first[0, 1]) + 1
     for y in range(int(np.ceil(first[1, 0])), int(first[1, 1]) + 1):
-        for x in range(int(np.ceil(first[0, 0])), int(first[0, 1]) + 1):
-            sent_us = world.seen[y, x, 0]
-            if sent_us < since_us:
-                continue
-            ago_s = 1e-6 * (t_us - sent_us)
-            dx = (x - s[0, 0] + s[0, 1] * ago_s) * (1.0 + min(max(grow_x * ago_s, -0.5), 1.0))
-            dy = (y - s[1, 0] + s[1, 1] * ago_s) * (1.0 + min(max(grow_y * ago_s, -0.5), 1.0))
-            if abs(dx) >= reach[0] or abs(dy) >= reach[1]:
-                continue
-            if n > 0 and _of_another(world, i, n, s[0, 0] + dx, s[1, 0] + dy):
-                continue
-            _fill(world, int((dy + reach[1]) / bin_px), int((dx + reach[0]) / bin_px))
-            if abs(dx) <= s[0, 2] and abs(dy) <= s[1, 2]:
-                inside += 1.0
-                late += 1.0 if ago_s <= late_s else 0.0
+        for begin in range(left, right, 64):
+            word = _lately(world, y, begin, min(begin + 64, right), since_us)
+            while word != NO_BINS:
+                x = begin + int(lowest(word))
+                word = without_lowest(word)
+                ago_s = 1e-6 * (t_us - world.seen[y, x])
+                dx = (x - at_x + vx * ago_s) * (1.0 + min(max(grow_x * ago_s, -0.5), 1.0))
+                dy = (y - at_y + vy * ago_s) * (1.0 + min(max(grow_y * ago_s, -0.5), 1.0))
+                if abs(dx) >= reach_x or abs(dy) >= reach_y:
+                    continue
+                if n > 0 and _of_another(world, i, n, at_x + dx, at_y + dy):
+                    continue
+                fill(world, int((dy + reach_y) / bin_px), int((dx + reach_x) / bin_px))
+                if abs(dx) <= half_x and abs(dy) <= half_y:
+                    inside += 1.0
+                    late += 1.0 if ago_s <= late_s else 0.0
     return late / inside
 
 
@@ -159,38 +151,23 @@ def look_at_group(rules: Rules, world: World, box: Table, t_us: int, window_s: f
     left, right = max(int(box[0]), 0), min(int(box[1]), rules.width - 1)
     top, bottom = max(int(box[2]), 0), min(int(box[3]), rules.height - 1)
     columns, rows = (right - left) // bin_px + 1, (bottom - top) // bin_px + 1
-    _clear(world)
+    clear(world)
     since_us = t_us - int(1e6 * window_s)
     for y in range(top, bottom + 1):
         for x in range(left, right + 1):
-            if world.seen[y, x, 0] >= since_us and world.near[y >> CELL_BITS, x >> CELL_BITS, 0] == NOBODY:
-                _fill(world, (y - top) // bin_px, (x - left) // bin_px)
-    _smooth(world, rows, columns)
+            if world.seen[y, x] >= since_us and world.near[y >> CELL_BITS, x >> CELL_BITS, 0] == NOBODY:
+                fill(world, (y - top) // bin_px, (x - left) // bin_px)
+    smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
     mean = 9.0 * noise
     level = max(_LEAST, mean + _SIGMAS * np.sqrt(mean))
     reach[0] = reach[1] = 0.0
     half[0] = half[1] = 1e9
-    n = _find_parts(world, level, rows, half, reach, bin_px, max(2 // bin_px, 1) + 1)
+    n = find_parts(world, level, rows, half, reach, bin_px, max(2 // bin_px, 1) + 1)
     for k in range(n):
         parts[k, 0, 0], parts[k, 0, 1] = left + parts[k, 0, 0] * bin_px, left + parts[k, 0, 1] * bin_px - 1
         parts[k, 1, 0], parts[k, 1, 1] = top + parts[k, 1, 0] * bin_px, top + parts[k, 1, 1] * bin_px - 1
     return n
-
-
-@step
-def _smooth(world: World, rows: int, columns: int) -> None:
-    """Sums of 3 x 3 bins, around those that are not empty."""
-    for y in range(rows):
-        row = world.filled[y]
-        while row != _NO_BINS:
-            x = _first(row)
-            row &= row - _ONE
-            total = 0.0
-            for v in range(max(y - 1, 0), min(y + 2, rows)):
-                for u in range(max(x - 1, 0), min(x + 2, columns)):
-                    total += world.bins[v, u]
-            world.around[y, x] = total
 
 
 @step
@@ -202,9 +179,9 @@ def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach:
         if abs((y + 0.5) * bin_px - reach[1]) > s[1, 2]:
             continue
         row = world.filled[y]
-        while row != _NO_BINS:
-            x = _first(row)
-            row &= row - _ONE
+        while row != NO_BINS:
+            x = int(lowest(row))
+            row = without_lowest(row)
             if abs((x + 0.5) * bin_px - reach[0]) <= s[0, 2]:
                 total += world.bins[y, x]
                 square += world.bins[y, x] * world.around[y, x]
@@ -213,76 +190,6 @@ def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach:
     if total > 0.0:
         level = max(level, rules.dense * square / total)
     return float(level)
-
-
-@step
-def _spread(row: Any, link: int) -> Any:
-    """The bins of a row, a bit each, and those up to `link` beside them."""
-    wide = row
-    for k in range(1, link + 1):
-        wide |= (row << np.uint64(k)) | (row >> np.uint64(k))
-    return wide
-
-
-@step
-def _grow(world: World, y: int, rows: int, link: int) -> tuple[int, int]:
-    """Move what is connected to the first free bin of a row from the free bins to the part; returns the rows that it spans."""
-    free, part, fresh = world.free, world.part, world.fresh
-    part[:rows] = _NO_BINS
-    part[y] = fresh[y] = free[y] & (~free[y] + _ONE)
-    free[y] ^= part[y]
-    top, bottom, grows = y, y, True
-    while grows:
-        grows = False
-        for at in range(top, bottom + 1):
-            while fresh[at] != _NO_BINS:
-                wide = _spread(fresh[at], link)
-                fresh[at] = _NO_BINS
-                for k in range(max(at - link, 0), min(at + link + 1, rows)):
-                    found = wide & free[k]
-                    if found != _NO_BINS:
-                        free[k] ^= found
-                        part[k] |= found
-                        fresh[k] |= found
-                        top, bottom, grows = min(top, k), max(bottom, k), True
-    return top, bottom
-
-
-@step
-def _find_parts(world: World, level: float, rows: int, half: Table, reach: Table, bin_px: int, link: int) -> int:
-    """The connected parts; see `World.parts`. Returns how many there are."""
-    label, free, parts = world.label, world.free, world.parts
-    for y in range(rows):
-        free[y] = row = world.filled[y]
-        world.taken[y] = _NO_BINS
-        while row != _NO_BINS:
-            x = _first(row)
-            row &= row - _ONE
-            if world.around[y, x] < level:
-                free[y] ^= _ONE << np.uint64(x)
-    n = 0
-    for y in range(rows):
-        while free[y] != _NO_BINS:
-            if n == len(parts):
-                return n
-            top, bottom = _grow(world, y, rows, link)
-            left, right, mass, inside = BINS, 0, 0.0, 0.0
-            for yy in range(top, bottom + 1):
-                row = world.part[yy]
-                world.taken[yy] |= row
-                while row != _NO_BINS:
-                    xx = _first(row)
-                    row &= row - _ONE
-                    label[yy, xx] = n + 1
-                    mass += world.bins[yy, xx]
-                    if abs((xx + 0.5) * bin_px - reach[0]) <= half[0] and abs((yy + 0.5) * bin_px - reach[1]) <= half[1]:
-                        inside += world.bins[yy, xx]
-                    left, right = min(left, xx), max(right, xx)
-            parts[n, 0, 0], parts[n, 0, 1] = left, right + 1
-            parts[n, 1, 0], parts[n, 1, 1] = top, bottom + 1
-            parts[n, 2, 0], parts[n, 2, 1] = mass, inside
-            n += 1
-    return n
 
 
 @step
@@ -407,9 +314,9 @@ def _measure_sides(rules: Rules, world: World, rows: int, columns: int, bin_px: 
     mass = 0.0
     for y in range(rows):
         row = world.taken[y]
-        while row != _NO_BINS:
-            x = _first(row)
-            row &= row - _ONE
+        while row != NO_BINS:
+            x = int(lowest(row))
+            row = without_lowest(row)
             if world.parts[world.label[y, x] - 1, 2, 0] > 0.0:
                 line[0, x] += world.bins[y, x]
                 line[1, y] += world.bins[y, x]
@@ -431,51 +338,28 @@ def _measure_sides(rules: Rules, world: World, rows: int, columns: int, bin_px: 
 
 
 @step
-def _span(low: float, high: float, centre: float, count: int, bin_px: int, reach: float) -> tuple[int, int]:
-    """The first bin whose middle lies from `low` to `high`, and the first after these."""
-    begin = 0
-    while begin < count and centre + ((begin + 0.5) * bin_px - reach) < low:
-        begin += 1
-    end = begin
-    while end < count and centre + ((end + 0.5) * bin_px - reach) <= high:
-        end += 1
-    return begin, end
-
-
-@step
-def _sum(world: World, y: int, begin: int, end: int) -> float:
-    """The pixels in a row of bins from `begin` to `end`, exclusive."""
-    total = 0.0
-    row = world.filled[y] & ((_ONE << np.uint64(end)) - (_ONE << np.uint64(begin)))
-    while row != _NO_BINS:
-        total += world.bins[y, _first(row)]
-        row &= row - _ONE
-    return total
-
-
-@step
 def _measure_contrast(rules: Rules, world: World, i: int, rows: int, columns: int, bin_px: int, reach: Table) -> None:
     """Pixels in the box by those around the gate, per area: an object stands out from its surroundings."""
     o, s, bounds = world.objects[i], world.state[i], world.bounds
     inner, outer, n_inner, n_outer = 0.0, 0.0, 0, 0
     edge = 0.5 * o.gate
-    left, right = _span(0.0, rules.width - 1.0, s[0, 0], columns, bin_px, reach[0])  # on the sensor
-    top, bottom = _span(0.0, rules.height - 1.0, s[1, 0], rows, bin_px, reach[1])
-    box_left, box_right = _span(bounds[0, 0], bounds[0, 1], 0.0, columns, bin_px, reach[0])
-    box_top, box_bottom = _span(bounds[1, 0], bounds[1, 1], 0.0, rows, bin_px, reach[1])
-    gate_left, gate_right = _span(bounds[0, 0] - edge, bounds[0, 1] + edge, 0.0, columns, bin_px, reach[0])
-    gate_top, gate_bottom = _span(bounds[1, 0] - edge, bounds[1, 1] + edge, 0.0, rows, bin_px, reach[1])
+    left, right = span(0.0, rules.width - 1.0, s[0, 0], columns, bin_px, reach[0])  # on the sensor
+    top, bottom = span(0.0, rules.height - 1.0, s[1, 0], rows, bin_px, reach[1])
+    box_left, box_right = span(bounds[0, 0], bounds[0, 1], 0.0, columns, bin_px, reach[0])
+    box_top, box_bottom = span(bounds[1, 0], bounds[1, 1], 0.0, rows, bin_px, reach[1])
+    gate_left, gate_right = span(bounds[0, 0] - edge, bounds[0, 1] + edge, 0.0, columns, bin_px, reach[0])
+    gate_top, gate_bottom = span(bounds[1, 0] - edge, bounds[1, 1] + edge, 0.0, rows, bin_px, reach[1])
     box_left, box_right = max(box_left, left), min(box_right, right)
     gate_left, gate_right = min(max(gate_left, left), right), max(min(gate_right, right), left)
     for y in range(top, bottom):
         if box_top <= y < box_bottom and box_left < box_right:
-            inner += _sum(world, y, box_left, box_right)
+            inner += pixels_in(world, y, box_left, box_right)
             n_inner += box_right - box_left
         if gate_top <= y < gate_bottom and gate_left < gate_right:
-            outer += _sum(world, y, left, gate_left) + _sum(world, y, gate_right, right)
+            outer += pixels_in(world, y, left, gate_left) + pixels_in(world, y, gate_right, right)
             n_outer += gate_left - left + right - gate_right
         else:
-            outer += _sum(world, y, left, right)
+            outer += pixels_in(world, y, left, right)
             n_outer += right - left
     o.contrast = (inner / max(n_inner, 1) + 1e-9) / (outer / max(n_outer, 1) + 1e-9)
 
@@ -511,10 +395,10 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
     columns = min(int(2.0 * reach[0] / bin_px) + 1, BINS)
     rows = min(int(2.0 * reach[1] / bin_px) + 1, BINS)
     late = _collect(rules, world, i, t_us, window_s, bin_px, reach, n)
-    _smooth(world, rows, columns)
+    smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
     level = _level(rules, world, i, noise, bin_px, reach, rows)
-    found = _find_parts(world, level, rows, s[:, 2], reach, bin_px, _LINK)
+    found = find_parts(world, level, rows, s[:, 2], reach, bin_px, _LINK)
     total = _choose(rules, world, i, found, bin_px, reach)
     speed = max(np.hypot(s[0, 1], s[1, 1]), 0.2 * o.speed)
     expected = o.usual * np.hypot(s[0, 1], s[1, 1]) * window_s

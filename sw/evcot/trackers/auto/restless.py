@@ -28,9 +28,8 @@ def epoch_of(t_us: int, first_us: int) -> int:
     return (_FIRST + ((t_us - first_us) >> EPOCH_BITS)) & _EPOCHS
 
 
-def restless(pixels: NDArray[np.int32], t_us: int, first_us: int) -> NDArray[np.bool_]:
-    """The pixels that do not rest, (height, width), at a time; `pixels` as in `rests`."""
-    noted = pixels[:, :, 1]
+def restless(noted: NDArray[np.int32], t_us: int, first_us: int) -> NDArray[np.bool_]:
+    """The pixels that do not rest, (height, width), at a time; `noted` as in `rests`."""
     epoch = (_FIRST + ((t_us - first_us) >> EPOCH_BITS)) & _EPOCHS
     lately = ((epoch - (noted >> _COUNT_BITS)) & _EPOCHS) <= 2
     mask: NDArray[np.bool_] = lately & ((noted & _MOST) >= _RESTLESS)
@@ -38,21 +37,17 @@ def restless(pixels: NDArray[np.int32], t_us: int, first_us: int) -> NDArray[np.
 
 
 @step
-def rests(pixels: Table, x: int, y: int, epoch: int) -> bool:
+def rests(noted: Table, x: int, y: int, epoch: int) -> bool:
     """Note an event of a pixel; returns whether it was silent in one of the last ten epochs, or in two in a row before.
 
     Args:
-        pixels: (height, width, 2) int32; of each pixel, [1] is the last epoch in which it sent an event, and in the low bits
-            for how many in a row it has done so, one miss forgiven each time.
+        noted: (height, width) int32; of each pixel the last epoch in which it sent an event, and in the low bits for how many
+            in a row it has done so, one miss forgiven each time.
         epoch: the number of the open epoch.
     """
-    noted = pixels[y, x, 1]
-    since = (epoch - (noted >> _COUNT_BITS)) & _EPOCHS
-    count = noted & _MOST
-    if since != 0:
-        if since == 1:
-            count = min(count + 1, _MOST)
-        elif since > 2:
-            count = 0
-        pixels[y, x, 1] = (epoch << _COUNT_BITS) | count
+    last = int(noted[y, x])
+    since = (epoch - (last >> _COUNT_BITS)) & _EPOCHS
+    count = last & _MOST
+    count = min(count + (1 if since == 1 else 0), _MOST) if since <= 2 else 0
+    noted[y, x] = (epoch << _COUNT_BITS) | count
     return bool(count < _RESTLESS)

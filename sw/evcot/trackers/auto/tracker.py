@@ -50,7 +50,7 @@ class AutoTracker(CompiledTracker):
     def restless(self) -> NDArray[np.bool_]:
         """The pixels that are ignored because they never rest, (height, width)."""
         run = self._world.run
-        return restless(self._world.seen, int(run["last_us"][0]), int(run["first_us"][0]))
+        return restless(self._world.noted, int(run["last_us"][0]), int(run["first_us"][0]))
 
     @property
     def settled(self) -> int:

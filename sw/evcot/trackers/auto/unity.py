@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
+from ..boxes import mostly_within, overlap, together
 from .layout import Rules, World
 
 __all__ = ["are_one", "are_parts"]
@@ -24,49 +25,26 @@ _THIN = 0.4  # thickness of an edge, as a part of its length
 _THIN_GAPS = 2.5  # factor of the gap beside an edge
 _FLAT = 0.8  # thickness by width of bands that are edges of one object, however far apart
 _SMALL = 0.6  # of the larger one's mean side, up to which an object close to it may be a part of it, wherever it lies
-_WITHIN = 0.7  # share of the smaller box that lies in the larger
 _ABREAST = 0.6  # share of the wider box that is covered by the other
-
-
-@step
-def _within(a: Table, b: Table) -> bool:
-    """Whether most of the smaller box lies in the larger, along both axes."""
-    for axis in range(2):
-        overlap = a[axis, 1] + b[axis, 1] - abs(a[axis, 0] - b[axis, 0])
-        if overlap < 2.0 * _WITHIN * min(a[axis, 1], b[axis, 1]):
-            return False
-    return True
-
-
-@step
-def _overlap(a: Table, b: Table, axis: int) -> float:
-    """The length along an axis that two boxes share; negative for the gap between them."""
-    return float(min(a[axis, 0] + a[axis, 1], b[axis, 0] + b[axis, 1]) - max(a[axis, 0] - a[axis, 1], b[axis, 0] - b[axis, 1]))
-
-
-@step
-def _together(a: Table, b: Table, axis: int) -> float:
-    """The length along an axis of both boxes together."""
-    return float(max(a[axis, 0] + a[axis, 1], b[axis, 0] + b[axis, 1]) - min(a[axis, 0] - a[axis, 1], b[axis, 0] - b[axis, 1]))
 
 
 @step
 def are_parts(a: Table, b: Table, gap: float, elongation: float) -> bool:
     """Whether the places of two boxes, (2, 2) centre and half side by axis, allow them to be parts of one object: one mostly
     inside the other; or one behind the other, of similar width, with a gap that is small for the length of the whole."""
-    if _within(a, b):
+    if mostly_within(a, b):
         return True
     for axis in range(2):
         across = 1 - axis
-        if _overlap(a, b, across) >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1]):
-            length, width = _together(a, b, axis), _together(a, b, across)
+        if overlap(a, b, across) >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1]):
+            length, width = together(a, b, axis), together(a, b, across)
             # Edges of one object are thin and far apart, objects that follow one another are not.
             thin = min(a[axis, 1], b[axis, 1]) < _THIN * 0.5 * width
             most = (_THIN_GAPS if thin else 1.0) * gap * (elongation * width - length)
-            if -_overlap(a, b, axis) <= most:
+            if -overlap(a, b, axis) <= most:
                 return True
             flat = max(a[axis, 1] / a[across, 1], b[axis, 1] / b[across, 1]) < _FLAT
-            if flat and _overlap(a, b, across) >= 0.8 * width and length <= elongation * width:
+            if flat and overlap(a, b, across) >= 0.8 * width and length <= elongation * width:
                 return True
     return False
 
@@ -95,7 +73,7 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
             most = max(most, a[axis, 2], b[axis, 2])
         if gap <= _ENTERING_GAP * most:
             return True
-    if _within(a[:, ::2], b[:, ::2]):
+    if mostly_within(a[:, ::2], b[:, ::2]):
         one.inside, other.inside = k, i
         if min(one.within, other.within) > _TOGETHER:
             return True

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .lookup import cell_of, lowest, without_lowest
+from ..bits import lowest, without_lowest
+from .lookup import cell_of
 from .state import Table, choice
 
 __all__ = ["NOBODY", "find_by_options", "find_nearest"]

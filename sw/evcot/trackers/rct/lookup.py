@@ -17,19 +17,17 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from ..._numba_private import step, trailing_zeros
+from ..._numba_private import step
 from .state import CELLS, State, Table
 
 __all__ = [
     "cell_of",
     "events_within",
-    "lowest",
     "register",
     "registered_for",
     "set_room",
     "take_seat",
     "unregister",
-    "without_lowest",
 ]
 
 _SHIFT = 3  # a cell is 8 pixels wide
@@ -43,18 +41,6 @@ def cell_of(x: Any, y: Any) -> Any:
     last = np.uint64(CELLS - 1)
     shift = np.uint64(_SHIFT)
     return ((np.uint64(y) >> shift) & last) * np.uint64(CELLS) + ((np.uint64(x) >> shift) & last)
-
-
-@njit(cache=True, nogil=True, inline="always")
-def lowest(word: Any) -> Any:
-    """Index of the lowest set bit."""
-    return np.uint64(trailing_zeros(word))  # type: ignore[call-arg]
-
-
-@njit(cache=True, nogil=True, inline="always")
-def without_lowest(word: Any) -> Any:
-    """The word with its lowest set bit cleared."""
-    return word & (word - np.uint64(1))
 
 
 @njit(cache=True, nogil=True, inline="always")

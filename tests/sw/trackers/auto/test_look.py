@@ -1,97 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of a look, and how an object stands out, against slow ways of finding them."""
+"""How an object stands out in a look, against a slow count."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-import pytest
 from numba import njit
 from numpy.typing import NDArray
 
 from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.layout import BINS, PARTS, Rules, World, make_rules, make_world
-from evcot.trackers.auto.look import _find_parts, _measure_contrast, _smooth
-
-LEVEL = 2.0
-SENSOR = 346, 260
-
-# What is called only by compiled functions has no entry for Python.
-
-
-@njit(nogil=True)
-def smooth(world: World, rows: int, columns: int) -> None:
-    _smooth(world, rows, columns)
-
-
-@njit(nogil=True)
-def find_parts(world: World, rows: int, half: NDArray[Any], reach: NDArray[Any], link: int) -> int:
-    return _find_parts(world, LEVEL, rows, half, reach, 1, link)
+from evcot.trackers.auto.layout import BINS, Rules, World, make_rules
+from evcot.trackers.auto.look import _measure_contrast
+from support.bins import SENSOR, world_with
 
 
 @njit(nogil=True)
 def measure_contrast(rules: Rules, world: World, rows: int, columns: int, bin_px: int, reach: NDArray[Any]) -> None:
+    """`_measure_contrast`, which is called only by compiled functions, with an entry for Python."""
     _measure_contrast(rules, world, 0, rows, columns, bin_px, reach)
-
-
-def look_with(bins: NDArray[np.float64]) -> tuple[Rules, World]:
-    rules, world = make_rules(AutoConfig(), *SENSOR), make_world(1, *SENSOR)
-    rows, columns = bins.shape
-    world.bins[:rows, :columns] = bins
-    for y, x in np.argwhere(bins > 0):
-        world.filled[y] |= np.uint64(1) << np.uint64(x)
-    smooth(world, rows, columns)
-    return rules, world
-
-
-def slow_parts(bins: NDArray[np.float64], link: int) -> list[tuple[tuple[int, int, int, int], float, set[tuple[int, int]]]]:
-    """Of each part, in the order of their first bins by row: its bounds, its pixels, its bins."""
-    rows, columns = bins.shape
-    padded = np.pad(bins, 1)
-    around = sum(padded[v : v + rows, u : u + columns] for v in range(3) for u in range(3))
-    free = {(int(y), int(x)) for y, x in np.argwhere((bins > 0) & (around >= LEVEL))}
-    found = []
-    while free:
-        part, edge = set(), [min(free)]
-        while edge:
-            y, x = edge.pop()
-            if (y, x) in free:
-                free.remove((y, x))
-                part.add((y, x))
-                edge += [(y + v, x + u) for v in range(-link, link + 1) for u in range(-link, link + 1)]
-        ys, xs = zip(*part, strict=True)
-        found.append(((min(xs), max(xs) + 1, min(ys), max(ys) + 1), float(sum(bins[at] for at in part)), part))
-    return found
-
-
-@pytest.mark.parametrize("link", [2, 3])
-@pytest.mark.parametrize("density", [0.02, 0.06, 0.1, 0.3])
-def test_parts_are_those_of_a_search_bin_by_bin(density: float, link: int) -> None:
-    rng = np.random.default_rng([61, link, round(100 * density)])
-    several = many = 0
-    for _ in range(60):
-        rows, columns = rng.integers(1, BINS + 1, 2)
-        bins = (rng.integers(1, 5, (rows, columns)) * (rng.random((rows, columns)) < density)).astype(np.float64)
-        _, world = look_with(bins)
-        reach = 0.5 * np.array([columns, rows])
-        half = reach - rng.uniform(0, 4, 2)
-        n = find_parts(world, rows, half, reach, link)
-        slow = slow_parts(bins, link)
-        assert n == min(len(slow), PARTS)
-        several += n > 1
-        many += len(slow) > PARTS
-        for k, (bounds, mass, part) in enumerate(slow[:n]):
-            assert (*world.parts[k, 0], *world.parts[k, 1]) == bounds
-            inside = sum(
-                bins[y, x] for y, x in part if abs(x + 0.5 - reach[0]) <= half[0] and abs(y + 0.5 - reach[1]) <= half[1]
-            )
-            assert tuple(world.parts[k, 2]) == (mass, inside)
-            assert all(world.label[at] == k + 1 for at in part)
-        taken = {(y, x) for y in range(rows) for x in range(columns) if int(world.taken[y]) >> x & 1}
-        assert taken == set().union(*(part for _, _, part in slow[:n]))
-    assert several > 0
-    assert many > 0 or (density, link) != (0.02, 2)
 
 
 def slow_contrast(world: World, rules: Rules, bins: NDArray[np.float64], bin_px: int, reach: NDArray[np.float64]) -> float:
@@ -109,13 +36,13 @@ def slow_contrast(world: World, rules: Rules, bins: NDArray[np.float64], bin_px:
 
 
 def test_contrast_is_that_of_a_count_bin_by_bin() -> None:
-    rng = np.random.default_rng(62)
+    rng, rules = np.random.default_rng(62), make_rules(AutoConfig(), *SENSOR)
     at_an_edge = 0
     for _ in range(300):
         rows, columns = rng.integers(1, BINS + 1, 2)
         bin_px = int(rng.integers(1, 4))
         bins = (rng.integers(1, 5, (rows, columns)) * (rng.random((rows, columns)) < 0.2)).astype(np.float64)
-        rules, world = look_with(bins)
+        world = world_with(bins)
         reach: Any = 0.5 * bin_px * np.array([columns, rows])
         world.state[0, :, 0] = rng.uniform(0, SENSOR)
         world.objects["gate"] = rng.uniform(0, 10)

@@ -136,7 +136,7 @@ def look_once(radius_px: float, ago_us: int, travel: float) -> tuple[float, floa
     t_us = 2_000_000
     world.objects["travel"], world.objects["missed"], world.objects["unseen_us"] = travel, 0.1, 500_000
     y, x = np.mgrid[:HEIGHT, :WIDTH]
-    world.seen[np.hypot(x - 100, y - 100) <= radius_px, 0] = t_us - ago_us
+    world.seen[np.hypot(x - 100, y - 100) <= radius_px] = t_us - ago_us
     close_packet(rules, world, t_us, 5_000, np.zeros(RECORDS_PER_PACKET, TRACK))
     return float(world.objects["missed"][0]), float(world.state[0, 0, 2])
 
