@@ -5,8 +5,9 @@ Ratios are CPU times of the Rectangular Cluster Tracker without and with each of
 medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with at most 4 and 32 clusters, then all options on.
 
 - `_nrt`: False: no reference counting in a function that owns no array: 1.11, 1.17, 1.09, 1.35.
-  In what the Kalman tracker does for each event: `auto_kalman_4` and `auto_kalman_32` of `benchmarks/run.py auto`, the rate of
-  the automatic tracker by its, fall from 4.0 and 9.1 to 0.84 and 0.78.
+- `forceinline`: a function that is called for each event and takes a tracker's whole state, thirty tables, would have them
+  copied for each call. In the Kalman tracker (`benchmarks/run.py kalman`, 4 and 32 discs): 1.9 and 2.1 (`traffic`), 3.2 and
+  2.0 (`discs`), 1.7 and 3.0 (`road`).
 - `trailing_zeros`: one instruction, instead of the documented way by the exponent of a float: 1.06, 1.04, 1.04, 1.01.
 - `no_cpython_wrapper`, `no_cfunc_wrapper`: no wrapper for calls from Python, which saves a third of the compile time.
 """
@@ -28,3 +29,8 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 def step(function: _Function) -> _Function:
     """Compile a function that is called only by compiled functions, and owns no array."""
     return cast(_Function, njit(cache=True, nogil=True, **_INSIDE)(function))
+
+
+def inlined_step(function: _Function) -> _Function:
+    """The same, as a part of the functions that call it, however long it is."""
+    return cast(_Function, njit(cache=True, nogil=True, forceinline=True, **_INSIDE)(function))

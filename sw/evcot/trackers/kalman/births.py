@@ -9,9 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
+from ..bits import count
 from .layout import CELL_BITS, NOBODY, PROFILE, Rules, World
 
 __all__ = ["find_births"]
@@ -27,17 +28,7 @@ _EDGE_PX = 8.0
 _GROWTH = 0.3  # growth of a half side, as a fraction of the speed
 
 
-@njit(cache=True, nogil=True)
-def _count(word: Any) -> int:
-    """Number of set bits in a 64-bit word."""
-    n = 0
-    while word != np.uint64(0):
-        word &= word - np.uint64(1)
-        n += 1
-    return n
-
-
-@njit(cache=True, nogil=True)
+@step
 def _free_slot(world: World) -> int:
     for i in range(len(world.objects)):
         if not world.objects[i].alive:
@@ -45,11 +36,12 @@ def _free_slot(world: World) -> int:
     return -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _gather(world: World, row: int, column: int, box: Table, least: float) -> int:
     """Remove the connected group of cells that contains a cell; returns its pixel count, and its bounds in `box`."""
     rows, columns = world.pixels.shape
-    box[:] = (1e9, -1e9, 1e9, -1e9)
+    box[0] = box[2] = 1e9
+    box[1] = box[3] = -1e9
     n, done = 1, 0
     world.queue[0] = row * columns + column
     found = 0
@@ -61,7 +53,7 @@ def _gather(world: World, row: int, column: int, box: Table, least: float) -> in
         at = world.queue[done]
         word = world.group[done]
         done += 1
-        found += _count(word)
+        found += count(word)
         r, c = at // columns, at % columns
         for y in range(8):
             for x in range(8):
@@ -72,7 +64,7 @@ def _gather(world: World, row: int, column: int, box: Table, least: float) -> in
                     box[3] = max(box[3], (r << CELL_BITS) + y)
         for rr in range(max(r - 1, 0), min(r + 2, rows)):
             for cc in range(max(c - 1, 0), min(c + 2, columns)):
-                if _count(words[rr, cc]) >= least:
+                if count(words[rr, cc]) >= least:
                     world.queue[n] = rr * columns + cc
                     world.group[n] = words[rr, cc]
                     words[rr, cc] = np.uint64(0)
@@ -80,7 +72,7 @@ def _gather(world: World, row: int, column: int, box: Table, least: float) -> in
     return found
 
 
-@njit(cache=True, nogil=True)
+@step
 def _touches(rules: Rules, world: World, box: Table) -> bool:
     """Whether a box lies close to an object: it is then a part of it that the object's gate will reach."""
     for i in range(len(world.objects)):
@@ -96,7 +88,7 @@ def _touches(rules: Rules, world: World, box: Table) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _edge(rules: Rules, box: Table) -> int:
     """The edge of the sensor that a box touches; if several, the one along which it is longest."""
     edge, most = -1, -1.0
@@ -111,7 +103,7 @@ def _edge(rules: Rules, box: Table) -> int:
     return edge
 
 
-@njit(cache=True, nogil=True)
+@step
 def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int) -> None:
     run = world.run[0]
     o = world.objects[i]
@@ -140,12 +132,12 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     run.live += 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def find_births(rules: Rules, world: World, t_us: int) -> None:
     """Start an object in each group of cells with enough pixels, and clear all cells."""
     run = world.run[0]
     rows, columns = world.pixels.shape
-    box = np.empty(4)
+    box = world.group_box
     packets = rules.birth_us / rules.packet_us
     noise = run.clutter * 64.0 * packets
     least = max(_CELL_PIXELS, _ABOVE_NOISE * noise)
@@ -154,8 +146,8 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
         for column in range(columns):
             if world.near[row, column] == NOBODY:
                 cells += 1
-                alone += _count(world.pixels[row, column])
-            if _count(world.pixels[row, column]) >= least:
+                alone += count(world.pixels[row, column])
+            if count(world.pixels[row, column]) >= least:
                 inside = world.near[row, column] == NOBODY
                 found = _gather(world, row, column, box, least)
                 if found >= rules.birth_pixels and not _touches(rules, world, box):

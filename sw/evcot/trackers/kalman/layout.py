@@ -37,6 +37,8 @@ OBJECT = np.dtype(
         ("y", "<f8"),
         ("half_x", "<f8"),
         ("half_y", "<f8"),
+        ("parts_x", "<f8"),  # parts of the profile in a pixel, along x and y
+        ("parts_y", "<f8"),
         ("gate", "<f8"),  # width of the gate around the box
         ("left", "<f8"),  # the box and the gate
         ("right", "<f8"),
@@ -54,6 +56,7 @@ RUN = np.dtype(
         ("births", "<i8"),  # the next track id
         ("clutter", "<f8"),  # unassigned events per pixel and packet
         ("live", "<i8"),
+        ("listed", "<i8"),  # in `World.slots`
         ("records", "<i8"),  # in the buffer
     ]
 )
@@ -91,6 +94,7 @@ class World(NamedTuple):
 
     run: Table  # (1,) of dtype RUN
     objects: Table  # (n,) of dtype OBJECT
+    slots: Table  # (n,) the slots of the living objects when the packet was opened, ascending; `run.listed` of them
     state: Table  # (n, 2, 4): centre, velocity, half side, growth of the half side; px and px/s
     cov: Table  # (n, 2, 4, 4)
     beyond: Table  # (n, 2, 2): weight of the open packet's events beyond the low and the high side
@@ -99,8 +103,13 @@ class World(NamedTuple):
     total: Table  # (n,) of all parts
     accepted_us: Table  # (height, width): time of each pixel's last accepted event
     near: Table  # (rows, columns): the object near each cell, or NOBODY or MANY
+    sets: Table  # (rows, columns, words) uint64: the slots of all objects near each cell, a bit each
+    density: Table  # (n,) work space: expected events of each object at an event's pixel
     pixels: Table  # (rows, columns) uint64: pixels of each cell with unassigned events
     bits: Table  # (8, 8) uint64: the bit of each pixel of a cell
+    sums: Table  # (2, PROFILE), sides: (2, 2, 2), group_box: (4,): work space
+    sides: Table
+    group_box: Table
     queue: Table  # (cells,) the cells of a group
     group: Table  # (cells,) uint64: their pixels
 
@@ -122,6 +131,7 @@ def make_world(n_objects: int, width: int, height: int) -> World:
     return World(
         run,
         np.zeros(n_objects, OBJECT),
+        np.zeros(n_objects, np.int64),
         np.zeros((n_objects, 2, 4)),
         np.zeros((n_objects, 2, 4, 4)),
         np.zeros((n_objects, 2, 2)),
@@ -130,8 +140,13 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros(n_objects),
         np.full((height, width), UNSET_US),
         np.full((rows, columns), NOBODY, np.int16),
+        np.zeros((rows, columns, (n_objects + 63) >> 6), np.uint64),
+        np.zeros(n_objects),
         np.zeros((rows, columns), np.uint64),
         np.uint64(1) << np.arange(64, dtype=np.uint64).reshape(8, 8),
+        np.zeros((2, PROFILE)),
+        np.zeros((2, 2, 2)),
+        np.zeros(4),
         np.zeros(rows * columns, np.int64),
         np.zeros(rows * columns, np.uint64),
     )

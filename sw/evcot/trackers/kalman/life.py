@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from ...tracks.log import Kind
 from .births import find_births
 from .layout import UNSET_US, Rules, World
@@ -33,7 +34,7 @@ _EDGE_GATES = 2.0
 _PROFILE_KEEPS_US = 100_000.0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
     run = world.run[0]
     o = world.objects[i]
@@ -58,7 +59,7 @@ def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int
     run.records += 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _seen(s: Table, size: int) -> tuple[float, float]:
     """Centre and half side of the part of a box that lies on the sensor, along one axis."""
     low = min(max(s[0] - s[2], -0.5), size - 0.5)
@@ -66,21 +67,22 @@ def _seen(s: Table, size: int) -> tuple[float, float]:
     return 0.5 * (low + high), 0.5 * (high - low)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _hidden(world: World, i: int, axis: int, high: int) -> bool:
     """Whether the middle of a side lies in another object's box, so that events beyond the side are ambiguous."""
     o = world.objects[i]
     sign = 1.0 if high else -1.0
     x = o.x + (sign * o.half_x if axis == 0 else 0.0)
     y = o.y + (sign * o.half_y if axis == 1 else 0.0)
-    for k in range(len(world.objects)):
+    for at in range(world.run[0].listed):
+        k = world.slots[at]
         other = world.objects[k]
         if k != i and other.alive and abs(x - other.x) <= other.half_x and abs(y - other.y) <= other.half_y:
             return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _predict(rules: Rules, world: World, i: int, lasted_us: int) -> None:
     """Predict an object over the packet. One that touches another keeps its course, since events may be the other's."""
     walk = 0.5 * (world.state[i, 0, 2] + world.state[i, 1, 2])
@@ -93,7 +95,7 @@ def _predict(rules: Rules, world: World, i: int, lasted_us: int) -> None:
             turn_back(s, p, rules.width if axis == 0 else rules.height)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _correct(rules: Rules, world: World, i: int) -> None:
     v = np.hypot(world.state[i, 0, 1], world.state[i, 1, 1]) + 1e-9
     for axis in range(2):
@@ -106,7 +108,7 @@ def _correct(rules: Rules, world: World, i: int) -> None:
         density = 1.0 / (2.0 * s[2])
         ahead = s[1] / v
         for high in range(2):
-            if _hidden(world, i, axis, high):
+            if world.objects[i].meets and _hidden(world, i, axis, high):
                 continue
             sign = 1.0 if high else -1.0
             q = rules.quantile + rules.afterglow * max(-sign * ahead, 0.0)
@@ -115,33 +117,35 @@ def _correct(rules: Rules, world: World, i: int) -> None:
             correct(s, p, sign, off, variance)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _overlap(a: Any, b: Any) -> bool:
     """Whether the boxes of two objects touch."""
     return bool(abs(a.x - b.x) <= a.half_x + b.half_x and abs(a.y - b.y) <= a.half_y + b.half_y)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _meets(world: World, i: int) -> bool:
     """Whether another object's box touches this one's."""
-    for k in range(len(world.objects)):
+    for at in range(world.run[0].listed):
+        k = world.slots[at]
         if k != i and world.objects[k].alive and _overlap(world.objects[i], world.objects[k]):
             return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _covered(world: World, i: int) -> bool:
     """Whether another object's box holds the centre of this one."""
     o = world.objects[i]
-    for k in range(len(world.objects)):
+    for at in range(world.run[0].listed):
+        k = world.slots[at]
         other = world.objects[k]
         if k != i and other.alive and abs(o.x - other.x) <= other.half_x and abs(o.y - other.y) <= other.half_y:
             return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
     if world.objects[i].track_id >= 0:
         _record(rules, world, out, kind, t_us, i, other_id)
@@ -149,7 +153,7 @@ def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, o
     world.run[0].live -= 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
     """Extend an entering object to the edge until it is about as long as it is wide."""
     o = world.objects[i]
@@ -165,12 +169,13 @@ def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
         o.enters = -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
     """Merge pairs of objects that are one: the first born survives, with a box around both."""
-    n = len(world.objects)
-    for i in range(n):
-        for k in range(n):
+    for first in range(world.run[0].listed):
+        i = world.slots[first]
+        for second in range(world.run[0].listed):
+            k = world.slots[second]
             a, b = world.objects[i], world.objects[k]
             if i == k or not (a.alive and b.alive and a.track_id < b.track_id and are_one(rules, world, i, k)):
                 continue
@@ -183,7 +188,7 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
             _end(rules, world, out, MERGED, t_us, k, a.track_id)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _outside(rules: Rules, world: World, i: int) -> bool:
     s = world.state[i]
     return bool(s[0, 0] < -0.5 or s[0, 0] > rules.width - 0.5 or s[1, 0] < -0.5 or s[1, 0] > rules.height - 0.5)
@@ -220,10 +225,11 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             o.supported_us = t_us
         o.support += o.packet_events
         if not o.meets:
-            world.profile[i] *= fade
+            for part in range(world.profile.shape[1]):
+                world.profile[i, part] *= fade
             world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
         silent_us = t_us - o.supported_us
-        patience = _COVERED_PATIENCE if _covered(world, i) else 1
+        patience = _COVERED_PATIENCE if o.meets and _covered(world, i) else 1
         if silent_us >= patience * rules.coast_us or _outside(rules, world, i):
             _end(rules, world, out, LOST, t_us, i, -1)
     _merge(rules, world, out, t_us)
@@ -245,7 +251,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             _record(rules, world, out, MOVED, t_us, i, -1)
 
 
-@njit(cache=True, nogil=True)
+@step
 def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
     """Close the open packet and open the next; returns whether that one holds `t_us`."""
     run = world.run[0]

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from .layout import PROFILE, Rules, World
 from .unity import are_parts
 
@@ -22,13 +21,13 @@ _SLACK = 1.5  # factor of the merging distance from which on two parts are split
 _ENOUGH = 200.0  # minimum number of events in a profile
 
 
-@njit(cache=True, nogil=True)
+@step
 def _cell(world: World, i: int, axis: int, along: int, across: int) -> float:
     at = PROFILE * across + along if axis == 0 else PROFILE * along + across
     return float(world.profile[i, at])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _sums(world: World, i: int, axis: int, begin: int, end: int, sums: Table) -> None:
     """Sum the profile's parts `begin` to `end` along this axis, for each part along the other."""
     sums[:] = 0.0
@@ -37,7 +36,7 @@ def _sums(world: World, i: int, axis: int, begin: int, end: int, sums: Table) ->
             sums[across] += _cell(world, i, axis, along, across)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _extent(sums: Table, level: float) -> tuple[int, int]:
     """The first non-empty part, and the one after the last."""
     begin, end = 0, PROFILE
@@ -48,10 +47,10 @@ def _extent(sums: Table, level: float) -> tuple[int, int]:
     return begin, end
 
 
-@njit(cache=True, nogil=True)
+@step
 def _bounds(world: World, i: int, axis: int, begin: int, end: int, box: Table) -> float:
     """Compute centre and half side, by axis, of the parts `begin` to `end` along an axis; returns the number of events."""
-    sums = np.empty(PROFILE)
+    sums = world.sums[1]
     _sums(world, i, axis, begin, end, sums)
     first, after = _extent(sums, _EMPTY * sums.sum() / PROFILE)
     for a, low, high in ((axis, begin, end), (1 - axis, first, after)):
@@ -61,10 +60,10 @@ def _bounds(world: World, i: int, axis: int, begin: int, end: int, box: Table) -
     return float(sums.sum())
 
 
-@njit(cache=True, nogil=True)
+@step
 def split(rules: Rules, world: World, i: int) -> bool:
     """If a box holds two objects, shrink it to the larger of them."""
-    sums, a, b = np.empty(PROFILE), np.empty((2, 2)), np.empty((2, 2))
+    sums, a, b = world.sums[0], world.sides[0], world.sides[1]
     for axis in range(2):
         _sums(world, i, 1 - axis, 0, PROFILE, sums)
         events = sums.sum()
@@ -86,12 +85,14 @@ def split(rules: Rules, world: World, i: int) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _leave(world: World, i: int, box: Table) -> None:
     for axis in range(2):
         world.state[i, axis, 0] = box[axis, 0]
         world.state[i, axis, 2] = max(box[axis, 1], 1.0)
         world.state[i, axis, 3] = 0.0
-        world.cov[i, axis] *= 4.0
+        for row in range(4):
+            for column in range(4):
+                world.cov[i, axis, row, column] *= 4.0
     world.profile[i] = 0.0
     world.total[i] = PROFILE * PROFILE

@@ -6,9 +6,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
+from ..boxes import mostly_within, overlap, together
 from .layout import Rules, World
 
 __all__ = ["are_one", "are_parts"]
@@ -19,45 +20,29 @@ _NEW_US = 200_000
 _ALONE_US = 500_000  # two slow objects (people) that have both been alone for this long are not parts of one
 _SLOW = 7.0  # half sides per second
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
-_WITHIN = 0.7  # share of the smaller box that lies in the larger
 _ABREAST = 0.6  # share of the wider box that is covered by the other
 _ELONGATED = 2.3  # maximum ratio of length to width of an object
 
 
-@njit(cache=True, nogil=True)
-def _within(a: Table, b: Table) -> bool:
-    """Whether most of the smaller box lies in the larger, along both axes."""
-    for axis in range(2):
-        overlap = a[axis, 1] + b[axis, 1] - abs(a[axis, 0] - b[axis, 0])
-        if overlap < 2.0 * _WITHIN * min(a[axis, 1], b[axis, 1]):
-            return False
-    return True
-
-
-@njit(cache=True, nogil=True)
+@step
 def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
     """Whether the positions of two boxes, (2, 2) centre and half side by axis, allow them to be parts of one object: one mostly
     inside the other; or one behind the other, of equal width, and together no longer than an object can be."""
-    overlap, together = np.empty(2), np.empty(2)
-    for axis in range(2):
-        low_a, high_a = a[axis, 0] - a[axis, 1], a[axis, 0] + a[axis, 1]
-        low_b, high_b = b[axis, 0] - b[axis, 1], b[axis, 0] + b[axis, 1]
-        overlap[axis] = min(high_a, high_b) - max(low_a, low_b)
-        together[axis] = max(high_a, high_b) - min(low_a, low_b)
-    if _within(a, b):
+    if mostly_within(a, b):
         return True
     for axis in range(2):
         across = 1 - axis
+        length, width = together(a, b, axis), together(a, b, across)
         if (
-            overlap[across] >= 2.0 * _ABREAST / slack * max(a[across, 1], b[across, 1])
-            and -overlap[axis] <= slack * gap * 0.25 * (together[0] + together[1])
-            and together[axis] <= slack * _ELONGATED * together[across]
+            overlap(a, b, across) >= 2.0 * _ABREAST / slack * max(a[across, 1], b[across, 1])
+            and -overlap(a, b, axis) <= slack * gap * 0.25 * (length + width)
+            and length <= slack * _ELONGATED * width
         ):
             return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     """Whether two objects are one: by position and with equal motion; or both entering over the same edge, side by side."""
     a, b = world.state[i], world.state[k]
@@ -70,13 +55,15 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
             most = max(most, a[axis, 2], b[axis, 2])
         if gap <= _ENTERING_GAP * most:
             return True
+    boxes_a, boxes_b = a[:, ::2], b[:, ::2]
+    if max(one.born_us, other.born_us) <= new_us:
+        if not mostly_within(boxes_a, boxes_b):
+            return False
+    elif not are_parts(boxes_a, boxes_b, rules.merge_gap, 1.0):
+        return False
     fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
     unsure = 0.0
     if min(one.alone_us, other.alone_us) < _ALONE_US or fast > _SLOW * 0.5 * (a[0, 2] + a[1, 2]):
         for axis in range(2):
             unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
-    if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
-        return False
-    if max(one.born_us, other.born_us) <= new_us:
-        return _within(a[:, ::2], b[:, ::2])
-    return are_parts(a[:, ::2], b[:, ::2], rules.merge_gap, 1.0)
+    return bool(np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) <= rules.merge_velocity * (fast + np.sqrt(unsure)))

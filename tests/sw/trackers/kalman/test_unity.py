@@ -4,12 +4,19 @@
 from __future__ import annotations
 
 import pytest
+from numba import njit
 
-from evcot.trackers.kalman.layout import make_rules, make_world
+from evcot.trackers.kalman.layout import Rules, World, make_rules, make_world
 from evcot.trackers.kalman.presets import PRESETS
 from evcot.trackers.kalman.unity import are_one
 
 SENSOR = 346, 260
+
+
+@njit(nogil=True)
+def one_object(rules: Rules, world: World) -> bool:
+    """`are_one`, which is called only by compiled functions, with an entry for Python."""
+    return are_one(rules, world, 0, 1)
 
 
 @pytest.mark.parametrize(
@@ -31,4 +38,4 @@ def test_people_who_pass_each_other_stay_two(alone_us: tuple[int, int], velociti
     world.state[:, :, 2] = (7.0, 15.0)
     world.state[:, 0, 1] = velocities
     world.cov[:, :, 1, 1] = 20.0**2
-    assert are_one(rules, world, 0, 1) is one
+    assert one_object(rules, world) is one
