@@ -44,7 +44,7 @@ def densities(world: World, x: int, y: int) -> np.ndarray:
     return expected
 
 
-@pytest.mark.parametrize("n", [6, 64, 130])
+@pytest.mark.parametrize("n", [12, 64, 130])
 def test_events_are_shared_by_density(n: int) -> None:
     rng = np.random.default_rng([11, n])
     rules, world = make_rules(PRESETS["discs"], *SENSOR), make_world(n, *SENSOR)
