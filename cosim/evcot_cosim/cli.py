@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -55,15 +55,20 @@ _EXAMPLES = """examples:
 """
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; returns its exit code. An interrupt is the caller's to report."""
+def main(argv: Sequence[str] | None = None, loaded: Callable[[], None] | None = None) -> int:
+    """Run one command; returns its exit code. An interrupt is the caller's to report.
+
+    Args:
+        argv: the words after `evcot`; None: those of this process.
+        loaded: called once, when all modules that the command begins with are loaded.
+    """
     arguments = list(sys.argv[1:] if argv is None else argv)
     options, unknown = parser().parse_known_args(arguments)
     if unknown:
         options.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     try:
         with _warnings_in_one_line(), claims_of(options) as options.claims:
-            code: int = options.command(options, arguments)
+            code: int = options.command(options, arguments, loaded)
         return code
     except MismatchError as error:
         print(f"evcot: MISMATCH: {error}", file=sys.stderr)

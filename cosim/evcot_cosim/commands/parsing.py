@@ -8,7 +8,6 @@ before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
-import gc
 import itertools
 import re
 import sys
@@ -195,16 +194,19 @@ class Action:
     place: str
     ahead: Callable[[argparse.Namespace], None] | None = None
 
-    def __call__(self, options: argparse.Namespace, arguments: Sequence[str]) -> int:
+    def __call__(self, options: argparse.Namespace, arguments: Sequence[str], loaded: Callable[[], None] | None = None) -> int:
+        """Run it; `loaded` is called when it is imported."""
         if self.ahead is not None:
             self.ahead(options)
-        return self.function(options, arguments)
+        function = self.function
+        if loaded is not None:
+            loaded()
+        return function(options, arguments)
 
     @property
     def function(self) -> Callable[[argparse.Namespace, Sequence[str]], int]:
         """The function itself: from the options and the whole command line to an exit code."""
         found: Callable[[argparse.Namespace, Sequence[str]], int] = resolve_name(f"{__package__}.actions.{self.place}")
-        gc.freeze()  # what was loaded stays: no search for garbage in it, not even at the end
         return found
 
 
