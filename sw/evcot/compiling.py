@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Have Numba compile in a process of its own: the process that needs the kernels then loads them, and stays 170 MB smaller."""
+"""Have Numba compile in a process of its own: the process that needs the kernels then loads them, and stays 170 MB smaller.
+
+Or does something else meanwhile: Numba compiles one function at a time in a process.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,12 @@ import pickle
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from numba.core import event
 
-__all__ = ["compiled_aside"]
+__all__ = ["compiled_aside", "compiling_aside"]
 
 _CHILD = "import pickle, sys; function, arguments = pickle.load(sys.stdin.buffer); function(*arguments)"
 
@@ -25,17 +28,40 @@ def compiled_aside(function: Callable[..., Any], *arguments: Any) -> None:
         function: of a module; what it does besides, it may do again.
         arguments: that can be pickled.
     """
+    with compiling_aside(function, *arguments) as begun:
+        pass
+    if begun:
+        function(*arguments)
+
+
+@contextlib.contextmanager
+def compiling_aside(function: Callable[..., Any], *arguments: Any) -> Iterator[bool]:
+    """As `compiled_aside`, but the other process compiles while the body runs; the end of the body waits for it.
+
+    Whether there is one is what it gives; if not, the function has been called. Where the other process fails, whoever needs
+    the kernels compiles them, or fails and says why.
+    """
+    if _is_done(function, *arguments):
+        yield False
+        return
+    command = [sys.executable, "-P", "-c", _CHILD]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
+        try:
+            assert child.stdin is not None
+            with contextlib.suppress(BrokenPipeError), child.stdin as given:
+                pickle.dump((function, arguments), given)
+            yield True
+        except BaseException:
+            child.kill()
+            raise
+
+
+def _is_done(function: Callable[..., Any], *arguments: Any) -> bool:
+    """Call a function unless it would compile anything; returns whether it was called to its end."""
     with contextlib.suppress(_NotCached), event.install_listener("numba:compile", _Refusing()):
         function(*arguments)
-        return
-    subprocess.run(
-        [sys.executable, "-P", "-c", _CHILD],
-        input=pickle.dumps((function, arguments)),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        check=False,  # then it is compiled here, or fails here and says why
-    )
-    function(*arguments)
+        return True
+    return False
 
 
 class _NotCached(Exception):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +39,7 @@ __all__ = [
     "check_addresses",
     "check_addresses_of",
     "compile_kernels",
+    "compile_model",
     "near_px",
     "rerun",
     "run_cosim",
@@ -95,6 +97,7 @@ def run_cosim(
     top: Top = DEFAULT_TOP,
     *,
     stall_seed: int | None = None,
+    waves: bool = False,
     building: Callable[[], None] | None = None,
     progress: Callable[[int, int, float], None] | None = None,
 ) -> CosimRun:
@@ -105,6 +108,7 @@ def run_cosim(
         config: both trackers' configurations.
         top: the hardware module.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
+        waves: whether a model of which waveforms show everything is built meanwhile, for who writes one afterwards.
         building: called before a build that takes seconds.
         progress: called after each run of events with (events done, time of the last event in us, events/s).
 
@@ -121,12 +125,16 @@ def run_cosim(
     except RecordingError as error:
         raise RecordingError(f"{recording.name}: {error}") from error
     cot = config.hardware(recording.width, recording.height)
-    build = build_device(cot, top, waves=False, on_miss=building)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
     sensor = recording.width, recording.height
-    compile_kernels(events[:1], sensor, config)
     hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
+    with ThreadPoolExecutor(2, "build") as builds:
+        built = builds.submit(build_device, cot, top, waves=False, on_miss=building)
+        if waves:
+            builds.submit(build_device, cot, top)  # if it fails, it fails again for who needs it
+        compile_kernels(events[:1], sensor, config)
+        build = built.result()
     with Lockstep(cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
         for chunk in chunks(events):
             first = lockstep.events
@@ -193,9 +201,14 @@ def stalls_from(seed: int | None) -> Stalls:
     return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
 
 
-def compile_kernels(first: Events, sensor: Sensor, config: RunConfig) -> None:
-    """Make Numba compile model and tracker (at first use, once per machine) before anything is timed."""
+def compile_model(first: Events, sensor: Sensor, config: RunConfig) -> None:
+    """Make Numba compile the golden model (at first use, once per machine): the same for every shape and every register."""
     CotModel(config.hardware(*sensor)).feed(TickedEvents.of(first))
+
+
+def compile_kernels(first: Events, sensor: Sensor, config: RunConfig) -> None:
+    """Make Numba compile model and tracker before anything is timed."""
+    compile_model(first, sensor, config)
     log_of(config.software, software_of(sensor, config), [first])
 
 

@@ -63,7 +63,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         try:
             run = run_cosim(
                 job.recording, job.config, job.top,
-                stall_seed=job.seed, building=progress.building, progress=progress.update,
+                stall_seed=job.seed, waves=not options.no_waves, building=progress.building, progress=progress.update,
             )  # fmt: skip
         except MismatchError as error:
             write_mismatch(error, job.recording, job.run_file, folder, command=command)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from evcot.compiling import compiling_aside
 from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
@@ -18,7 +19,7 @@ from evcot.trackers.config import RunConfig, load_toml, without_motion
 from evcot.trackers.presets import fit, run_config
 
 from ...devices.base import Stalls
-from ...lockstep.cosim import check_addresses, stalls_from
+from ...lockstep.cosim import check_addresses, compile_model, stalls_from
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
 from ...names import DEFAULT_TOP, Top
 from ..job import DEFAULT_SCENE
@@ -112,7 +113,13 @@ def job_from(
     def blocks() -> Iterable[Events]:
         return _all_of(source) if more else [recording.events]
 
-    seen = estimate(blocks(), (recording.width, recording.height)) if from_estimates else None
+    seen = None
+    if from_estimates:
+        sensor = recording.width, recording.height
+        # What is compiled of the model does not depend on what is seen.
+        preset = "motion" if _has_motion(options, top) else None
+        with compiling_aside(compile_model, recording.events[:1], sensor, run_config(*sensor, preset)):
+            seen = estimate(blocks(), sensor)
     config = _config(options, recording, blocks, top, seen)
     said = told(seen, config) if seen else None
     return Job(source, recording, config, name, top, seed, folder, said, more)
@@ -152,10 +159,9 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
     return replace(base, skip_damaged=True) if options.skip_damaged else base
 
 
-def _from(seen: Estimates, options: argparse.Namespace, top: Top) -> RunConfig:
+def _has_motion(options: argparse.Namespace, top: Top) -> bool:
     """Of the modules only the array has motion; and a file that has registers of slots is about the array without it."""
-    paper = options.preset == AUTO_PAPER or top != "cot_array" or (options.config and without_motion(options.config))
-    return auto_config(seen, AUTO_PAPER if paper else AUTO)
+    return options.preset != AUTO_PAPER and top == "cot_array" and not (options.config and without_motion(options.config))
 
 
 def _config(
@@ -167,7 +173,10 @@ def _config(
 ) -> RunConfig:
     sensor = recording.width, recording.height
     slots = 1 if top == "cot" and options.slots is None else options.slots
-    config = fit(_from(seen, options, top), *sensor, slots) if seen else run_config(*sensor, options.preset, slots)
+    if seen:
+        config = fit(auto_config(seen, AUTO if _has_motion(options, top) else AUTO_PAPER), *sensor, slots)
+    else:
+        config = run_config(*sensor, options.preset, slots)
     if seen and top == "cot":  # which has no filters in front
         config = replace(config, filters=FilterConfig())
     if options.config is not None:
