@@ -54,7 +54,7 @@ def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
     for path in sorted((boards / "ecp5").iterdir()):
         files[f"ecp5/{path.name}"] = path.read_bytes()
     for folder_name in ("examples", "scripts"):
-        for path in sorted((boards / folder_name).iterdir()):
+        for path in sorted(path for path in (boards / folder_name).iterdir() if path.is_file()):
             files[f"{folder_name}/{path.name}"] = path.read_bytes()
     files["examples/evcot_regs.vh"] = rtl_files(verilog)["evcot_regs.vh"].read_bytes()
     for top in TOPS:
