@@ -102,7 +102,7 @@ def _take(world: World, i: int, x: float, y: float, weight: float) -> bool:
     dx, dy = x - o.x, y - o.y
     if x < o.left or x > o.right or y < o.top or y > o.bottom:
         return False
-    # Nothing is added where a comparison fails: events lie on either side of a box's sides, so no branch could be foreseen.
+    # Zero is added where a comparison fails: events lie on either side of a box's sides, so no branch could be foreseen.
     o.weight += weight
     along_y = weight if abs(dy) <= o.half_y else 0.0
     along_x = weight if abs(dx) <= o.half_x else 0.0
