@@ -81,3 +81,8 @@ def kernels() -> None:
         fcntl.flock(lock, fcntl.LOCK_EX)
         for engine in ("auto", "rct"):
             evcot.track(evcot.Recording(few, 32, 32, "two events"), engine)
+
+
+def pytest_unconfigure() -> None:
+    # What pyslang has made complains when the process ends and it was not freed.
+    gc.unfreeze()
