@@ -32,5 +32,5 @@ def step(function: _Function) -> _Function:
 
 
 def inlined_step(function: _Function) -> _Function:
-    """The same, as a part of the functions that call it, however long it is."""
+    """As `step`, but compiled into each function that calls it, however long it is."""
     return cast(_Function, njit(cache=True, nogil=True, forceinline=True, **_INSIDE)(function))

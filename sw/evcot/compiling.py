@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Have Numba compile in a process of its own: the process that needs the kernels then loads them, and stays 170 MB smaller.
 
-Or does something else meanwhile: Numba compiles one function at a time in a process.
+Or it does something else meanwhile: within one process Numba compiles one function at a time.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def compiled_aside(function: Callable[..., Any], *arguments: Any) -> None:
 def compiling_aside(function: Callable[..., Any], *arguments: Any) -> Iterator[bool]:
     """As `compiled_aside`, but the other process compiles while the body runs; the end of the body waits for it.
 
-    Whether there is one is what it gives; if not, the function has been called. Where the other process fails, whoever needs
-    the kernels compiles them, or fails and says why.
+    Yields whether another process was needed; if not, the function has been called. Where the other process fails, the first
+    use of the kernels compiles them here, or fails and says why.
     """
     if _is_done(function, *arguments):
         yield False

@@ -108,7 +108,7 @@ def run_cosim(
         config: both trackers' configurations.
         top: the hardware module.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
-        waves: whether a model of which waveforms show everything is built meanwhile, for who writes one afterwards.
+        waves: whether the model for a waveform of all signals is built at the same time, for one that is written afterwards.
         building: called before a build that takes seconds.
         progress: called after each run of events with (events done, time of the last event in us, events/s).
 
@@ -132,7 +132,7 @@ def run_cosim(
     with ThreadPoolExecutor(2, "build") as builds:
         built = builds.submit(build_device, cot, top, waves=False, on_miss=building)
         if waves:
-            builds.submit(build_device, cot, top)  # if it fails, it fails again for who needs it
+            builds.submit(build_device, cot, top)  # an error comes again when the waveform is written
         compile_kernels(events[:1], sensor, config)
         build = built.result()
     with Lockstep(cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
@@ -202,7 +202,7 @@ def stalls_from(seed: int | None) -> Stalls:
 
 
 def compile_model(first: Events, sensor: Sensor, config: RunConfig) -> None:
-    """Make Numba compile the golden model (at first use, once per machine): the same for every shape and every register."""
+    """Make Numba compile the golden model (at first use, once per machine): the same code for every shape and all registers."""
     CotModel(config.hardware(*sensor)).feed(TickedEvents.of(first))
 
 

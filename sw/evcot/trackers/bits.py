@@ -10,10 +10,12 @@ from numba import njit
 
 from .._numba_private import step, trailing_zeros
 
-__all__ = ["count", "lowest", "without_lowest"]
+__all__ = ["BYTES", "bits_between", "count", "lowest", "without_lowest"]
+
+BYTES = np.uint64(0x0101010101010101)  # the lowest bit of each byte
 
 _PAIRS, _NIBBLES, _BYTES = (np.uint64(word) for word in (0x5555555555555555, 0x3333333333333333, 0x0F0F0F0F0F0F0F0F))
-_ONES = np.uint64(0x0101010101010101)
+_ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -29,8 +31,16 @@ def without_lowest(word: Any) -> Any:
 
 
 @step
+def bits_between(first: int, last: int) -> Any:
+    """A word with its bits from `first` to `last` set; none if there are none."""
+    if last < first:
+        return np.uint64(0)
+    return (_ALL >> np.uint64(63 - last + first)) << np.uint64(first)
+
+
+@step
 def count(word: Any) -> int:
     """Number of set bits: sums of pairs, of fours, of bytes."""
     pairs = word - ((word >> np.uint64(1)) & _PAIRS)
     fours = (pairs & _NIBBLES) + ((pairs >> np.uint64(2)) & _NIBBLES)
-    return int((((fours + (fours >> np.uint64(4))) & _BYTES) * _ONES) >> np.uint64(56))
+    return int((((fours + (fours >> np.uint64(4))) & _BYTES) * BYTES) >> np.uint64(56))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from ..bits import count
+from ..bits import BYTES, bits_between, count
 from .layout import CELL_BITS, INSIDE, LEVELS, NOBODY, Rules, World
 from .look import look_at_group
 
@@ -40,7 +40,6 @@ _LOST_SIGHT = 0.15  # half sides without support, from which an object may be fo
 _FOLLOWS = 1.0  # half sides of travel, in which the rest of an object follows its centre over the edge
 _FOUND_WITHIN = 3.0  # half sides
 _ALIKE = 3.5  # ratio of sizes
-_ALL, _ONES = np.uint64(0xFFFFFFFFFFFFFFFF), np.uint64(0x0101010101010101)  # all bits; the lowest of each byte
 _FILLED = 0.5  # of a sensor: a group that covers more is no object
 
 
@@ -255,14 +254,6 @@ def _resume(world: World, i: int, box: Table) -> None:
 
 
 @step
-def _run(first: int, last: int) -> Any:
-    """A word with its bits from `first` to `last` set; none if there are none."""
-    if last < first:
-        return np.uint64(0)
-    return (_ALL >> np.uint64(63 - last + first)) << np.uint64(first)
-
-
-@step
 def _sweep(world: World) -> None:
     """Remove the pixels in objects' boxes and gates."""
     rows, columns = world.pixels.shape[1:]
@@ -277,7 +268,7 @@ def _sweep(world: World) -> None:
             y0, y1 = max(top - (row << CELL_BITS), 0), min(bottom - (row << CELL_BITS), 7)
             for column in range(max(left, 0) >> CELL_BITS, min((right >> CELL_BITS) + 1, columns)):
                 x0, x1 = max(left - (column << CELL_BITS), 0), min(right - (column << CELL_BITS), 7)
-                outside = ~(_run(x0, x1) * _ONES & _run(8 * y0, 8 * y1 + 7))
+                outside = ~(bits_between(x0, x1) * BYTES & bits_between(8 * y0, 8 * y1 + 7))
                 for level in range(LEVELS):
                     world.pixels[level, row, column] &= outside
 
