@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from evcot_cosim.rtl.build import cache_dir
-from evcot_cosim.rtl.files import verilog_dir
-from support.testing import broken_copy
+from evcot_cosim.rtl.files import rtl_files, verilog_dir
+from support.testing import broken_copy, broken_text
 
 ROOT = Path(__file__).parents[1]
 MISTAKES = ROOT / "tests" / "mutations.toml"
@@ -118,9 +118,9 @@ def main() -> int:
     everything = list(mutations())
     chosen = [m for m in everything if options.only in f"{m.file} {m.meaning}" and not (options.new and known_row(m))]
 
-    with tempfile.TemporaryDirectory() as folder:  # raises at once where a text is gone
-        for mutation in chosen:
-            broken_copy(Path(folder), mutation.file, mutation.right, mutation.wrong)
+    rtl = rtl_files()
+    for mutation in chosen:  # raises at once where a text is gone
+        broken_text(rtl[mutation.file].read_text(), mutation.file, mutation.right, mutation.wrong)
     every_test = tuple(sorted({name for mutation in chosen for name in mutation.tests}))
     if broken := first_failures(verilog_dir(), every_test, cache_dir()):
         raise SystemExit(f"fails on the RTL as it is: {', '.join(broken)}")

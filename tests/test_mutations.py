@@ -3,17 +3,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
+from evcot_cosim.rtl.files import rtl_files
 from mutations import Mutation, known_row, mutations
-from support.testing import broken_copy
+from support.testing import broken_text
+
+RTL = {name: path.read_text() for name, path in rtl_files().items()}
 
 
 @pytest.mark.parametrize("mutation", list(mutations()), ids=lambda mutation: f"{mutation.file} {mutation.meaning}")
-def test_a_mutation_has_its_place_and_was_caught(mutation: Mutation, tmp_path: Path) -> None:
-    broken_copy(tmp_path, mutation.file, mutation.right, mutation.wrong)  # raises where the text is gone
+def test_a_mutation_has_its_place_and_was_caught(mutation: Mutation) -> None:
+    broken_text(RTL[mutation.file], mutation.file, mutation.right, mutation.wrong)  # raises where the text is gone
     row = known_row(mutation)
     assert row is not None, "python tests/mutations.py --new --write"
     assert "**nothing**" not in row

@@ -32,6 +32,7 @@ __all__ = [
     "Word",
     "always",
     "broken_copy",
+    "broken_text",
     "bursts",
     "evaluate",
     "lint",
@@ -121,6 +122,19 @@ extern "C" void evcot_evaluate(V{top}* top, int64_t n, const int64_t* in, int64_
     return {port: result[:, k] for k, port in enumerate(outputs)}
 
 
+def broken_text(text: str, file: str, right: str, wrong: str) -> str:
+    """The text of a file with one piece of it replaced, ignoring white space.
+
+    Raises:
+        ValueError: the text does not hold `right` exactly once.
+    """
+    spaced = r"\s+".join(re.escape(word) for word in right.split())
+    broken, count = re.subn(spaced, lambda _: wrong, text)
+    if count != 1:
+        raise ValueError(f"{file} holds {right!r} {count} times: must be once")
+    return broken
+
+
 def broken_copy(folder: Path, file: str, right: str, wrong: str) -> Path:
     """Copy the RTL into a folder and replace one piece of one file, ignoring white space; return the folder.
 
@@ -128,11 +142,7 @@ def broken_copy(folder: Path, file: str, right: str, wrong: str) -> Path:
         ValueError: the file does not hold `right` exactly once.
     """
     copy_rtl(folder)
-    spaced = r"\s+".join(re.escape(word) for word in right.split())
-    text, count = re.subn(spaced, lambda _: wrong, (folder / file).read_text())
-    if count != 1:
-        raise ValueError(f"{file} holds {right!r} {count} times: must be once")
-    (folder / file).write_text(text)
+    (folder / file).write_text(broken_text((folder / file).read_text(), file, right, wrong))
     return folder
 
 
