@@ -8,14 +8,10 @@ return the events that are really in the file, or refuse it in one line; never a
 from __future__ import annotations
 
 import bz2
-import json
 import struct
-import subprocess
-import sys
 import zipfile
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache, reduce
 from pathlib import Path
 
@@ -29,49 +25,9 @@ import zstandard
 from evcot.errors import RecordingError
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import matlab
+from support.bounded import Answer, answer_to
 
 from .test_aedat4 import plain_file, stream_node
-
-_PEAK_MB = 640  # libraries and compiled kernels take a third of it; every bomb below holds 1 GB and more
-_HUNG_S = 300
-
-_READER = """
-import json, sys, warnings
-warnings.simplefilter("ignore")
-from evcot.errors import RecordingError
-from evcot.recordings.files import open_recording
-seen, longest, what = 0, 0, ""
-try:
-    with open_recording(sys.argv[1], (640, 480)) as file:
-        for block in file.blocks():
-            seen, longest = seen + len(block), max(longest, len(block))
-except RecordingError as error:
-    what = str(error)
-with open("/proc/self/status") as status:  # its own peak: what getrusage says begins with that of the process that started it
-    peak_kb = next(int(line.split()[1]) for line in status if line.startswith("VmHWM:"))
-print(json.dumps([seen, longest, what, peak_kb // 1024]))
-"""
-
-
-@dataclass(frozen=True)
-class Answer:
-    """The result of reading a file."""
-
-    events: int
-    longest_block: int
-    refusal: str
-
-
-def answer_to(path: Path) -> Answer:
-    """Read a file in another process with bounded memory, which may refuse the file in one line but not crash."""
-    done = subprocess.run([sys.executable, "-c", _READER, str(path)], capture_output=True, text=True, timeout=_HUNG_S)
-    assert done.returncode == 0, done.stderr[-2000:]
-    events, longest, refusal, peak_mb = json.loads(done.stdout)
-    assert peak_mb < _PEAK_MB
-    assert len(refusal) < 600
-    assert refusal.isprintable()
-    assert not refusal or refusal.startswith(f"{path}: ")
-    return Answer(events, longest, refusal)
 
 
 def refusal_of(path: Path) -> str:
