@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
-from numba import njit
+from numba import njit, types
 from numba.cpython.unsafe.numbers import trailing_zeros
 
 __all__ = ["step", "trailing_zeros"]
@@ -28,9 +28,16 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 def step(function: _Function) -> _Function:
     """Compile a function that is called only by compiled functions, and owns no array."""
-    return cast(_Function, njit(cache=True, nogil=True, **_INSIDE)(function))
+    return cast(_Function, _once(njit(cache=True, nogil=True, **_INSIDE)(function)))
 
 
 def inlined_step(function: _Function) -> _Function:
     """As `step`, but compiled into each function that calls it, however long it is."""
-    return cast(_Function, njit(cache=True, nogil=True, forceinline=True, **_INSIDE)(function))
+    return cast(_Function, _once(njit(cache=True, nogil=True, forceinline=True, **_INSIDE)(function)))
+
+
+def _once(dispatcher: Any) -> Any:
+    """The function, compiled for the types of its arguments and not again for each constant among them."""
+    template = dispatcher.get_call_template
+    dispatcher.get_call_template = lambda args, kws: template([types.unliteral(arg) for arg in args], kws)
+    return dispatcher

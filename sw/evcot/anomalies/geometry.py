@@ -13,16 +13,18 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from .._numba_private import step
+
 __all__ = ["crosses", "crossings", "holds", "inside", "offset"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def offset(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
     """Twice the signed area of the triangle (a, b, point): positive to the right of the way from a to b in the picture."""
     return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 
 
-@njit(cache=True, nogil=True)
+@step
 def holds(corners, first, last, x, y):  # type: ignore[no-untyped-def]
     """Whether the polygon with corners[first:last], (k, 2), contains a point: even-odd rule, the border is inside."""
     within = False
@@ -38,7 +40,7 @@ def holds(corners, first, last, x, y):  # type: ignore[no-untyped-def]
     return within
 
 
-@njit(cache=True, nogil=True)
+@step
 def crosses(line, px, py, qx, qy):  # type: ignore[no-untyped-def]
     """1 if the step from p to q crosses line (begin x, y, end x, y) from left to right, -1 from right to left, else 0."""
     ax, ay, bx, by = line

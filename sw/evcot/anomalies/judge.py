@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from .._numba_private import step
 from .alarm import Anomaly
 from .geometry import crosses, holds, offset
 from .stays import leave, settle
@@ -36,7 +35,7 @@ _NEAR = 0.6  # of the radius: within this distance of its mean position a stay c
 _AMONG = 0.5  # of the normal speed: above this, an object counts as moving
 
 
-@njit(cache=True, nogil=True)
+@step
 def _raise(cur, out, trace, kind, zone, score, expected, seen, since_t):  # type: ignore[no-untyped-def]
     row = out[cur.alarms]
     cur.alarms += 1
@@ -54,7 +53,7 @@ def _raise(cur, out, trace, kind, zone, score, expected, seen, since_t):  # type
     row.birth_us = trace.birth_us
 
 
-@njit(cache=True, nogil=True)
+@step
 def _gather(trace, kind, broken, elapsed_us, travel_px, least_us, least_px):  # type: ignore[no-untyped-def]
     """Add a step to the evidence of a rule; returns whether an alarm is due."""
     if broken:
@@ -75,7 +74,7 @@ def _gather(trace, kind, broken, elapsed_us, travel_px, least_us, least_px):  # 
     return True
 
 
-@njit(cache=True, nogil=True)
+@step
 def _cell(field, x, y):  # type: ignore[no-untyped-def]
     """Row and column of a position; row -1 outside."""
     column = int((x + 0.5) // field.cell_px)
@@ -85,7 +84,7 @@ def _cell(field, x, y):  # type: ignore[no-untyped-def]
     return -1, -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
     normal_x = field.x[row, column]
     normal_y = field.y[row, column]
@@ -106,13 +105,13 @@ def _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed):  
         _raise(cur, out, trace, CROSSING, -1, score, expected, seen, trace.since_t[CROSSING])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _is_near(rules, normal):  # type: ignore[no-untyped-def]
     """Whether motion at the normal speed is distinguishable from a tracker's jitter there."""
     return 1e-6 * rules.hold_us * normal >= rules.travel_px
 
 
-@njit(cache=True, nogil=True)
+@step
 def _speed(rules, field, row, column, cut, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
     normal = math.exp(field.log_speed[row, column])
     sure = rules.significance * trace.error
@@ -131,7 +130,7 @@ def _speed(rules, field, row, column, cut, cur, trace, out, elapsed_us, speed): 
         _raise(cur, out, trace, SLOW, -1, score, normal, speed, trace.since_t[SLOW])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _stopping(rules, field, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
     """Whether the object stands; also records later evidence of standing: that it braked, or stayed at its first position."""
     if _is_taken(rules, trace, speed):
@@ -155,7 +154,7 @@ def _stopping(rules, field, cur, trace, out, elapsed_us, speed):  # type: ignore
         _stopped(rules, cur, trace, out, trace.x, trace.y, trace.first_t)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _starts(rules, field, trace, speed):  # type: ignore[no-untyped-def]
     """Whether a track that begins away from the edge first stays there and then drives off, still slower than others."""
     if trace.stood == 0:
@@ -177,7 +176,7 @@ def _starts(rules, field, trace, speed):  # type: ignore[no-untyped-def]
     return along > rules.crossing_cos * away_px
 
 
-@njit(cache=True, nogil=True)
+@step
 def _is_taken(rules, trace, speed):  # type: ignore[no-untyped-def]
     """Whether a track that has just braked moves back: it has switched to a following object."""
     if trace.braked_t < 0 or trace.t - trace.braked_t > rules.hold_us or speed - trace.error < rules.slow_ratio * trace.normal:
@@ -187,7 +186,7 @@ def _is_taken(rules, trace, speed):  # type: ignore[no-untyped-def]
     return trace.vx * way_x + trace.vy * way_y < 0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _is_cut(field, trace):  # type: ignore[no-untyped-def]
     """Whether a track's box extends over the picture's edge: the centre of a clipped object moves incorrectly."""
     reach = trace.extent + field.cell_px
@@ -196,14 +195,14 @@ def _is_cut(field, trace):  # type: ignore[no-untyped-def]
     return before < 0 or after < 0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _is_end(field, x, y):  # type: ignore[no-untyped-def]
     """Whether tracks are often lost at a position: near the picture's edge, and wherever the tracker loses them."""
     row, column = _cell(field, x, y)
     return row < 0 or field.ends[row, column] > _RARE + _SELDOM * field.support[row, column]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
     """A track is lost, or has switched to another object: standing objects cause no events, so if it braked it has stopped."""
     braked = trace.braked_t >= 0 and trace.t - trace.braked_t <= rules.stitch_us
@@ -212,7 +211,7 @@ def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
         _stopped(rules, cur, trace, out, trace.braked_x, trace.braked_y, trace.slow_t)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _taken(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
     """Reset the evidence after the track has switched to another object."""
     _vanished(rules, field, cur, trace, out)
@@ -226,7 +225,7 @@ def _taken(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
     trace.first_y = trace.y
 
 
-@njit(cache=True, nogil=True)
+@step
 def _stopped(rules, cur, trace, out, x, y, since_t):  # type: ignore[no-untyped-def]
     speed = math.hypot(trace.vx, trace.vy)
     _raise(cur, out, trace, STOPPING, -1, rules.stop_ratio * trace.normal / max(speed, 1e-3), trace.normal, speed, since_t)
@@ -234,7 +233,7 @@ def _stopped(rules, cur, trace, out, x, y, since_t):  # type: ignore[no-untyped-
     out[cur.alarms - 1].y = y
 
 
-@njit(cache=True, nogil=True)
+@step
 def end(rules, field, stays, cur, trace, out, lost):  # type: ignore[no-untyped-def]
     """Process the end of a track, lost or merged. A track lost at the edge has left."""
     leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
@@ -242,7 +241,7 @@ def end(rules, field, stays, cur, trace, out, lost):  # type: ignore[no-untyped-
         _vanished(rules, field, cur, trace, out)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _loitering(rules, stays, cur, trace, out, elapsed_us):  # type: ignore[no-untyped-def]
     if math.hypot(trace.x - trace.anchor_x, trace.y - trace.anchor_y) > rules.loiter_radius_px:
         leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
@@ -268,7 +267,7 @@ def _loitering(rules, stays, cur, trace, out, elapsed_us):  # type: ignore[no-un
         _raise(cur, out, trace, LOITERING, -1, stay_us / limit_us, 1e-6 * limit_us, 1e-6 * stay_us, trace.anchor_t)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _zones(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
     for zone in range(len(places.dwell_us)):
         if holds(places.corners, places.starts[zone], places.starts[zone + 1], trace.x, trace.y):
@@ -292,7 +291,7 @@ def _zones(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
             _raise(cur, out, trace, kind, zone, score, 1e-6 * limit_us, 1e-6 * stay_us, places.since[i, zone])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _lines(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
     for line in range(len(places.lines)):
         ax, ay, bx, by = places.lines[line]
@@ -312,7 +311,7 @@ def _lines(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
         places.y[i, line] = trace.y
 
 
-@njit(cache=True, nogil=True)
+@step
 def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-untyped-def]
     """Apply all rules to the step that was just closed for track i."""
     if not trace.settled:

@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .._numba_private import step
 from .config import RING, AnomalyConfig
 
 __all__ = ["MOTION", "Steps", "add_place", "begin", "close_step", "extent_px", "steps"]
@@ -68,7 +68,7 @@ def steps(config: AnomalyConfig) -> Steps:
     return Steps(config.step_us, float(config.window_us), float(config.travel_px))
 
 
-@njit(cache=True, nogil=True)
+@step
 def begin(motion: Any, step: int) -> None:
     """Initialise a track without history."""
     motion.step = step
@@ -78,13 +78,13 @@ def begin(motion: Any, step: int) -> None:
     motion.known = False
 
 
-@njit(cache=True, nogil=True)
+@step
 def extent_px(record: Any) -> float:
     """Half the longer side of a record's box."""
     return 0.5 * max(record.width, record.height)  # type: ignore[no-any-return]
 
 
-@njit(cache=True, nogil=True)
+@step
 def add_place(motion: Any, after_us: int, step: int, step_us: int, x: float, y: float) -> None:
     """Add a record to the open step; `after_us`: its time after the first record of the run."""
     motion.step = step
@@ -94,7 +94,7 @@ def add_place(motion: Any, after_us: int, step: int, step_us: int, x: float, y: 
     motion.sum_y += y
 
 
-@njit(cache=True, nogil=True)
+@step
 def close_step(settings: Steps, motion: Any, reach_px: float, extent_px: float) -> None:
     """Average the open step, which must have a record, to a position, and refit the line.
 
@@ -132,7 +132,7 @@ def close_step(settings: Steps, motion: Any, reach_px: float, extent_px: float) 
     _fit(settings, motion)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _fit(settings: Steps, motion: Any) -> None:
     n = 0
     st = sx = sy = stt = stx = sty = sxx = syy = 0.0

@@ -11,8 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from .._numba_private import step
 
 __all__ = ["Stays", "leave", "no_stays", "settle"]
 
@@ -38,7 +39,7 @@ def no_stays() -> Stays:
     return Stays(x, y, since, np.full(_STAYS, _NEVER), lingered, np.zeros(_STAYS, np.uint8))
 
 
-@njit(cache=True, nogil=True)
+@step
 def leave(stays, trace, raised, least_us):  # type: ignore[no-untyped-def]
     """Store a track's stay, if it was long enough, when the track ends or leaves the place."""
     if not trace.settled or trace.lingered_t - trace.anchor_t < least_us:
@@ -52,7 +53,7 @@ def leave(stays, trace, raised, least_us):  # type: ignore[no-untyped-def]
     stays.raised[i] = raised
 
 
-@njit(cache=True, nogil=True)
+@step
 def settle(stays, trace, radius_px, gap_us):  # type: ignore[no-untyped-def]
     """Let a track that begins, or arrives at a place, take over the longest stay there; returns whether that has an alarm."""
     best = -1

@@ -7,9 +7,9 @@ docs/filters.md, "One memory of cells", is the contract; `cell_memory.v` is the 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from .base import NEVER, per_pixel
 from .contract import FilterShape
 
@@ -33,14 +33,14 @@ class CellMemory:
         self.place: NDArray[np.int64] = per_pixel(cells, 0, border=1)
 
 
-@njit(cache=True, nogil=True)
+@step
 def cell_of(x, y, bits):  # type: ignore[no-untyped-def]
     """Row and column in a memory with a border, and the place within the cell."""
     inner = (1 << bits) - 1
     return (y >> bits) + 1, (x >> bits) + 1, (y & inner) << bits | (x & inner)
 
 
-@njit(cache=True, nogil=True)
+@step
 def supporting_cells(last, place, row, column, here, oldest):  # type: ignore[no-untyped-def]
     """How many of the 9 cells around have a last event not before `oldest`; of the own cell, one on another pixel."""
     count = 0

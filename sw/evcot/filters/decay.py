@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .cells import CellMemory, cell_of
@@ -59,12 +60,12 @@ class DecayFilter(EventFilter):
         _narrow(self._last, self._rate, self._weights, self._support, events.ticks, events.x, events.y, keep)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _weight(weight, age):  # type: ignore[no-untyped-def]
     return weight[np.uint64(min(age, _AGES - 1))]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _unit(ticks, rate):  # type: ignore[no-untyped-def]
     # (ticks * rate) >> 24 in two parts, as the product may have 86 bits.
     whole, rest = ticks >> CLOCK_FRAC, ticks & ((1 << CLOCK_FRAC) - 1)

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import EventFilter
 from .contract import FilterShape
@@ -61,7 +62,7 @@ def _narrow(fifo_x, fifo_y, fifo_at, place, window, radius, support, ticks, x, y
     place[0], place[1] = head, held
 
 
-@njit(cache=True, nogil=True)
+@step
 def _near(fifo_x, fifo_y, x, y, radius):  # type: ignore[no-untyped-def]
     """The number of entries at a distance from 1 to `radius`."""
     # 32 bits throughout, casts included: vector code processes twice as many entries at once.

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter
 from .contract import FilterShape
@@ -62,11 +63,11 @@ def _narrow(  # type: ignore[no-untyped-def]
             row_at[here_y + 1], row_x[here_y + 1] = ticks[i], here_x
 
 
-@njit(cache=True, nogil=True)
+@step
 def _supporters(at, other, place, along, oldest, radius):  # type: ignore[no-untyped-def]
     """How many of the last events at place - 1, place, place + 1 support one at `place`, `along`."""
     count = 0
-    for step in range(3):
-        distance = abs(other[place + step] - along)
-        count += (at[place + step] >= oldest) & (distance <= radius) & ((step != 1) | (distance != 0))
+    for k in range(3):
+        distance = abs(other[place + k] - along)
+        count += (at[place + k] >= oldest) & (distance <= radius) & ((k != 1) | (distance != 0))
     return count

@@ -9,6 +9,7 @@ from typing import Any
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from ..tracks.log import DROPPED, Kind
 from .contract import HIST_AVG_STILL, REGISTERS, Mode
 
@@ -127,7 +128,7 @@ def initialise(s: Table, regs: Table, lim: Table, glob: Table) -> None:
         _retire(s, regs, lim, i)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _record(s: Table, regs: Table, lim: Table, i: int, kind: int, seq: int, time: int, other: int, out: Table, n: int) -> int:
     row = out[n]
     row.seq = seq
@@ -144,7 +145,7 @@ def _record(s: Table, regs: Table, lim: Table, i: int, kind: int, seq: int, time
     return n + 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _expire(s: Table, regs: Table, lim: Table, glob: Table, now: int, out: Table, n: int) -> int:
     """End every life whose deadline has passed, in order of deadline, then of slot."""
     while True:
@@ -214,7 +215,7 @@ def _take(s: Table, regs: Table, lim: Table, i: int, x: int, y: int, now: int) -
     return bool(s[COUNT, i] >= s[N_EV, i])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _adapt_n_ev(s: Table, regs: Table, i: int, tc2: int) -> None:
     if tc2 > s[LAST_TC2, i] + regs[NEV_TH, i]:
         s[N_EV, i] = min(2 * s[N_EV, i], regs[NEV_MAX, i])
@@ -256,7 +257,7 @@ def _proc(s: Table, regs: Table, lim: Table, glob: Table, i: int, now: int) -> i
     return kind
 
 
-@njit(cache=True, nogil=True)
+@step
 def _overlapping(s: Table, i: int) -> int:
     """The first active slot whose window shares a pixel with slot i's, or -1."""
     for j in range(s.shape[1]):
@@ -272,7 +273,7 @@ def _overlapping(s: Table, i: int) -> int:
     return -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _merge(s: Table, regs: Table, lim: Table, glob: Table, moved: int, now: int, out: Table, n: int) -> int:
     """Merge the moved cluster with every cluster it overlaps until no active windows overlap; the first born survives."""
     while True:

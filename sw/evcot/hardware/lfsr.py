@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from ..errors import ConfigError
 from ..ranges import check_integer
 
@@ -99,7 +100,7 @@ def tap_mask(width: int) -> int:
     return sum(1 << (tap - 1) for tap in TAPS[width])
 
 
-@njit(cache=True, nogil=True)
+@step
 def next_state(state: np.uint64, taps: np.uint64, keep: np.uint64) -> np.uint64:
     """One step of the register: `taps` is its `tap_mask`, `keep` the mask of its bits."""
     parity = state & taps

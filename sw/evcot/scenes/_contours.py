@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from numba import njit
 
+from .._numba_private import step
 from ._order import KEY_T_SHIFT
 
 __all__ = ["leg_events"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _inside(pixel, centre, speed, reach):  # type: ignore[no-untyped-def]
     """The interval of times (from, to) with |pixel - (centre + speed t)| <= reach."""
     if speed == 0.0:
@@ -28,7 +29,7 @@ def _inside(pixel, centre, speed, reach):  # type: ignore[no-untyped-def]
     return min(a, b), max(a, b)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _pixels(centre, travel, reach, size):  # type: ignore[no-untyped-def]
     """First and last pixel, on a sensor of `size`, swept by a side of half length `reach`."""
     low = min(centre, centre + travel) - reach
@@ -46,8 +47,8 @@ def leg_events(keys, n, sensor, half, start, speed, from_us, to_us, brighter, st
     duration = to_us - from_us
     first_x, last_x = _pixels(start[0], speed[0] * duration, half[0] + 0.5, sensor[0])
     first_y, last_y = _pixels(start[1], speed[1] * duration, half[1] + 0.5, sensor[1])
-    for step in range(steps):
-        depth = (step + 0.5) / steps - 0.5
+    for k in range(steps):
+        depth = (k + 0.5) / steps - 0.5
         for y in range(first_y, last_y + 1):
             y_from, y_to = _inside(y, start[1], speed[1], half[1] - depth)
             if y_from > y_to:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from .._numba_private import step
 from ._render_kernel import bounds
 from .shapes import DISC, KIND, OBJECT, X, Y
 
@@ -64,7 +65,7 @@ def _hidden_part(shapes, first, past, width, height):  # type: ignore[no-untyped
     return 1.0 - seen / area if area > 0 else 1.0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _covered(stretches, low, high):  # type: ignore[no-untyped-def]
     """Length of the union of the intervals within low to high; sorts the intervals."""
     for i in range(1, len(stretches)):
@@ -83,7 +84,7 @@ def _covered(stretches, low, high):  # type: ignore[no-untyped-def]
     return length
 
 
-@njit(cache=True, nogil=True)
+@step
 def _stretch(shape, y, stretch):  # type: ignore[no-untyped-def]
     """Write the interval in which a shape covers the line at y to `stretch`; empty (both ends equal) if it does not."""
     low, high = np.inf, -np.inf

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from ..events import Events
 
 __all__ = ["KEY_T_SHIFT", "events_of"]
@@ -54,7 +55,7 @@ def _by_key(keys):  # type: ignore[no-untyped-def]
     return ordered
 
 
-@njit(cache=True, nogil=True)
+@step
 def _insert(keys):  # type: ignore[no-untyped-def]
     """Insertion sort, for keys that are almost in order."""
     for i in range(1, len(keys)):

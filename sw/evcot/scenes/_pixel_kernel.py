@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from .._numba_private import step
 from ._order import KEY_T_SHIFT
 
 __all__ = ["LOG_INTENSITY_MAX", "NEVER", "pixel_events"]
@@ -64,7 +65,7 @@ def pixel_events(rectangles, frame, pixels, head, own, from_us, span_us, refract
     return keys[:n], -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _one_pixel(keys, n, x, y, after, pixels, head, link, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
     """Append the events of one pixel, whose log intensity at span_us is `after`, and return the new count."""
     last, memories, readies, on, off = pixels

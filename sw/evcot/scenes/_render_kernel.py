@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from .._numba_private import step
 from .shapes import DISC, INTENSITY, KIND, OBJECT, X, Y
 
 __all__ = ["bounds", "changes", "draw", "shift_texture"]
@@ -24,7 +25,7 @@ def bounds(shape):  # type: ignore[no-untyped-def]
     return shape[X : X + 4].min(), shape[Y : Y + 4].min(), shape[X : X + 4].max(), shape[Y : Y + 4].max()
 
 
-@njit(cache=True, nogil=True)
+@step
 def _pixels(left, top, right, bottom, width, height):  # type: ignore[no-untyped-def]
     """The pixels touched by a contour within these bounds: left, top, right, bottom, half open; right < left if none."""
     left = min(max(left - 0.5, 0.0), float(width))
@@ -92,7 +93,7 @@ def draw(rectangles, shapes, background, scratch, linear, frame):  # type: ignor
                     frame[y, x] = np.log(scratch[y, x])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _blend(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ignore[no-untyped-def]
     """Blend a shape into a rectangle of a picture."""
     if shape[KIND] == DISC:
@@ -113,7 +114,7 @@ def _blend(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ig
                 picture[y, x] += part * (shape[INTENSITY] - picture[y, x])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _edges(shape, edges):  # type: ignore[no-untyped-def]
     """Write (a, b, c) of each edge to `edges`: a x + b y + c is the distance of a point inside the edge, in pixels. Corners may
     be in either orientation."""

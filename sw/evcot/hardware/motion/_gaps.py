@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..._numba_private import step
 from ._state import (
     BIN_LOG2_X,
     BIN_LOG2_Y,
@@ -34,7 +33,7 @@ from .contract import SUB
 __all__ = ["clear_bins", "count_in_bins", "look_for_gaps"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def clear_bins(s: Table, i: int) -> None:
     """Begin new histograms: bins of 2^n pixels from the box's low side, four to eight for the whole side."""
     for b in range(2 * BINS):
@@ -44,7 +43,7 @@ def clear_bins(s: Table, i: int) -> None:
     s[BIN_LOG2_Y, i] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 3)
 
 
-@njit(cache=True, nogil=True)
+@step
 def count_in_bins(s: Table, i: int, x: int, y: int) -> None:
     """Count an event in both histograms, in the box's own frame."""
     bin_x = (x - ((s[LO_X, i] + (ONE >> 1)) >> SUB)) >> s[BIN_LOG2_X, i]
@@ -55,7 +54,7 @@ def count_in_bins(s: Table, i: int, x: int, y: int) -> None:
         s[BINS_Y + bin_y, i] += 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int, narrowest: int) -> None:
     """If the histogram has a gap of so many pixels, leave the box with the part that has more events."""
     total = 0
@@ -93,7 +92,7 @@ def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int,
         s[hi, i] = max(s[hi, i], s[lo, i])
 
 
-@njit(cache=True, nogil=True)
+@step
 def look_for_gaps(s: Table, r: Table, i: int) -> None:
     """At a correction: after every `gap_corrections`, cut the box at a gap.
 

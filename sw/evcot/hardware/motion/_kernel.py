@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from numba import njit
 
+from ..._numba_private import step
 from ...tracks.log import DROPPED
 from ._gaps import count_in_bins
 from ._lives import BORN, LOST, MOVED, appears, correct, record, seed
@@ -66,7 +67,7 @@ def initialise(s: Table, r: Table, glob: Table) -> None:
         s[DEADLINE, i] = NEVER
 
 
-@njit(cache=True, nogil=True)
+@step
 def _put_in_force(s: Table, glob: Table, upto: int) -> None:
     """Put windows and candidates in force that wait for an event up to this one, and see which is next."""
     glob[IN_FORCE] = NEVER
@@ -82,7 +83,7 @@ def _put_in_force(s: Table, glob: Table, upto: int) -> None:
                 glob[IN_FORCE] = min(glob[IN_FORCE], s[WAITS, i])
 
 
-@njit(cache=True, nogil=True)
+@step
 def _wait(s: Table, glob: Table, i: int) -> None:
     """What was computed of slot i, with this event, is in force so many events later."""
     s[WAITS, i] = glob[SEQ] + IN_FORCE_AFTER
@@ -107,7 +108,7 @@ def restart(s: Table, glob: Table, i: int, out: Table) -> int:
     return n
 
 
-@njit(cache=True, nogil=True)
+@step
 def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
     """The motion step of one slot that lives."""
     if now >= s[DEADLINE, i]:
@@ -131,7 +132,7 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
     return n
 
 
-@njit(cache=True, nogil=True)
+@step
 def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> int:
     """One motion step of all slots, in order."""
     now = glob[NEXT_STEP]
@@ -144,7 +145,7 @@ def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> in
     return n
 
 
-@njit(cache=True, nogil=True)
+@step
 def _lives(s: Table) -> bool:
     """Whether any slot has a track or a candidate."""
     for i in range(s.shape[1]):  # noqa: SIM110 (any() would allocate)
@@ -153,7 +154,7 @@ def _lives(s: Table) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
     """What an event does to its owner; true when the window of N_ev events is complete."""
     s[SUPPORT, i] = min(s[SUPPORT, i] + 1, lim[SUPPORT_MAX])

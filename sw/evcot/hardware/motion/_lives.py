@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..._numba_private import step
 from ...tracks.log import Kind
 from ._gaps import clear_bins, look_for_gaps
 from ._sides import shrink
@@ -68,7 +67,7 @@ __all__ = ["BORN", "LOST", "MERGED", "MOVED", "appears", "correct", "record", "s
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 
 
-@njit(cache=True, nogil=True)
+@step
 def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Table, n: int) -> int:
     """Write a record of slot i; returns the new number of records."""
     row = out[n]
@@ -90,7 +89,7 @@ def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Ta
     return n + 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
     """A candidate begins: a square around the event, at rest, which holds no event until it is in force."""
     half = r[SEED_PX] << SUB
@@ -127,7 +126,7 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
     s[WIN_HI_X, i] = 0
 
 
-@njit(cache=True, nogil=True)
+@step
 def correct(s: Table, r: Table, i: int, now: int) -> None:
     """After a window of N_ev events: sides, velocity, lifetime, the next N_ev, and the next window."""
     shrink(s, r, i)
@@ -143,7 +142,7 @@ def correct(s: Table, r: Table, i: int, now: int) -> None:
     next_window(s, r, i)
 
 
-@njit(cache=True, nogil=True)
+@step
 def appears(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int) -> bool:
     """Whether candidate i becomes visible: by support, size, time and the way that it has gone. It then has an id."""
     width = s[HI_X, i] - s[LO_X, i]

@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..._numba_private import step
 from ._gaps import clear_bins
 from ._lives import MERGED, MOVED, record
 from ._state import (
@@ -64,7 +63,7 @@ from ._windows import gap, in_window, set_window, windows_touch
 __all__ = ["absorbed", "hide_sides", "join"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def hide_sides(s: Table, i: int) -> None:
     """Which sides of slot i lie in another visible slot's window, so that its own events do not show where they are."""
     hidden = 0
@@ -87,7 +86,7 @@ def hide_sides(s: Table, i: int) -> None:
     s[MEETS, i] = meets
 
 
-@njit(cache=True, nogil=True)
+@step
 def _together(s: Table, r: Table, i: int, j: int) -> bool:
     """Whether two slots move alike."""
     fastest = max(abs(s[V_X, i]), abs(s[V_Y, i]), abs(s[V_X, j]), abs(s[V_Y, j]))
@@ -95,7 +94,7 @@ def _together(s: Table, r: Table, i: int, j: int) -> bool:
     return bool(apart <= (fastest >> r[JOIN_SPEED]) + (ONE >> 6))
 
 
-@njit(cache=True, nogil=True)
+@step
 def _one_object(s: Table, r: Table, i: int, j: int) -> bool:
     """Whether two boxes can be parts of one object: they overlap by half on an axis, and are near on the other."""
     faster = i if s[SUPPORT, i] >= s[SUPPORT, j] else j
@@ -116,7 +115,7 @@ def _one_object(s: Table, r: Table, i: int, j: int) -> bool:
     return bool((abreast_x and gap_y <= near_y) or (abreast_y and gap_x <= near_x))
 
 
-@njit(cache=True, nogil=True)
+@step
 def _unite(s: Table, r: Table, lim: Table, stays: int, goes: int) -> None:
     """The box of the one that stays covers both; it keeps its velocity."""
     s[LO_X, stays] = min(s[LO_X, stays], s[LO_X, goes])
@@ -136,7 +135,7 @@ def _unite(s: Table, r: Table, lim: Table, stays: int, goes: int) -> None:
     set_window(s, r, stays)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _staying(s: Table, r: Table, i: int, j: int) -> int:
     """Of two slots the one that stays: a visible one; else the older, or the one with more support; else i."""
     if s[STATE, i] != s[STATE, j]:
@@ -146,7 +145,7 @@ def _staying(s: Table, r: Table, i: int, j: int) -> int:
     return j if s[SUPPORT, j] > s[SUPPORT, i] else i
 
 
-@njit(cache=True, nogil=True)
+@step
 def join(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
     """Merge slot i with its partner once they have been one object, moving together, for long enough; returns records.
 
@@ -179,7 +178,7 @@ def join(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Tab
     return n
 
 
-@njit(cache=True, nogil=True)
+@step
 def absorbed(s: Table, r: Table, lim: Table, i: int) -> bool:
     """Whether candidate i ends: its middle is in a visible window, or its box touches another candidate's with more support.
 

@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..._numba_private import step
 from ..contract import Mode
 from ._state import FREE, STATE, VISIBLE, Table
 from ._windows import in_box, in_window
@@ -14,7 +13,7 @@ __all__ = ["find"]
 SEEDED_MODE = int(Mode.SEEDED)
 
 
-@njit(cache=True, nogil=True)
+@step
 def find(s: Table, modes: Table, x: int, y: int) -> tuple[int, bool, bool]:
     """The owner or -1; whether the event could be another visible slot's as well; whether it seeds a candidate there.
 

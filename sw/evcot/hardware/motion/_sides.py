@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..._numba_private import step
 from ._state import (
     AT_HI_X,
     AT_HI_Y,
@@ -33,7 +32,7 @@ from .contract import SUB
 __all__ = ["measure", "shrink"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _axis(
     s: Table, i: int, lo: int, hi: int, off_lo: int, off_hi: int, at_lo: int, at_hi: int, place: int, out: int, back: int
 ) -> None:
@@ -63,7 +62,7 @@ def _axis(
     s[off_hi, i] += move_hi
 
 
-@njit(cache=True, nogil=True)
+@step
 def measure(s: Table, r: Table, i: int, x: int, y: int) -> None:
     """Move the sides of slot i by one event; those of a candidate move twice as fast."""
     back = r[SIDE_STEP] >> r[SIDE_SHARE]
@@ -75,7 +74,7 @@ def measure(s: Table, r: Table, i: int, x: int, y: int) -> None:
     _axis(s, i, LO_Y, HI_Y, OFF_LO_Y, OFF_HI_Y, AT_LO_Y, AT_HI_Y, y << SUB, out, back)
 
 
-@njit(cache=True, nogil=True)
+@step
 def shrink(s: Table, r: Table, i: int) -> None:
     """At a correction: a side that no event was beyond moves inwards by a part of the box, unless the slot meets another."""
     if r[SIDE_SHRINK] and not s[MEETS, i]:

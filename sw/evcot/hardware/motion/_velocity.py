@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from ..._numba_private import step
 from ._state import (
     CORRECTIONS,
     FRICTION,
@@ -37,7 +38,7 @@ __all__ = ["advance", "bit_length", "correct_velocity", "over"]
 INVERSES = np.array([round(1024 / (8.5 + m)) for m in range(8)], np.int64)  # 128 / (1 + (m + 1/2) / 8)
 
 
-@njit(cache=True, nogil=True)
+@step
 def bit_length(value: int) -> int:
     """The number of bits of a value that is not negative."""
     bits = 0
@@ -57,7 +58,7 @@ def over(distance: int, ticks: int, shift: int) -> int:
     return int(product >> down if down >= 0 else product << -down)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _common(low: int, high: int, slower: bool) -> int:
     """Twice the way that two sides have in common: their mean, or the shorter of two ways in one direction."""
     if not slower:
@@ -67,7 +68,7 @@ def _common(low: int, high: int, slower: bool) -> int:
     return 2 * low if abs(low) < abs(high) else 2 * high
 
 
-@njit(cache=True, nogil=True)
+@step
 def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
     """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity."""
     ticks = min(max(now - s[LAST, i], 1), TICKS_MAX)
@@ -91,7 +92,7 @@ def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
     s[LAST, i] = now
 
 
-@njit(cache=True, nogil=True)
+@step
 def _move(s: Table, lo: int, hi: int, way: int, i: int, reach: int) -> None:
     """Move both sides of an axis, unless one of them would go too far out of the sensor."""
     low = s[lo, i] + way
@@ -101,7 +102,7 @@ def _move(s: Table, lo: int, hi: int, way: int, i: int, reach: int) -> None:
         s[hi, i] = high
 
 
-@njit(cache=True, nogil=True)
+@step
 def advance(s: Table, r: Table, lim: Table, i: int, now: int) -> None:
     """A motion step: box and velocity go on; the velocity of a slot that has been silent for long dies away."""
     v_x = s[V_X, i]

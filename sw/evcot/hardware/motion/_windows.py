@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from numba import njit
 
+from ..._numba_private import step
 from ._state import (
     BOX_HI_X,
     BOX_HI_Y,
@@ -47,13 +48,13 @@ from .contract import SUB
 __all__ = ["bounded", "gap", "in_box", "in_window", "length", "next_window", "set_window", "take_window", "windows_touch"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def length(s: Table, lo: int, hi: int, i: int) -> int:
     """A side of the box in whole pixels, at least 0."""
     return int(max(s[hi, i] - s[lo, i], 0) >> SUB)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _box(s: Table, lo: int, hi: int, box_lo: int, box_hi: int, i: int) -> None:
     """The pixels of both sides, to nearest; sides that have passed each other give their middle pixel."""
     low = (s[lo, i] + (ONE >> 1)) >> SUB
@@ -65,7 +66,7 @@ def _box(s: Table, lo: int, hi: int, box_lo: int, box_hi: int, i: int) -> None:
     s[box_hi, i] = high
 
 
-@njit(cache=True, nogil=True)
+@step
 def _reach(r: Table, across: int, along: int) -> int:
     """How far a window reaches beyond its box along the motion: by the width, as long as the box is not much longer."""
     if along < r[ELONGATION] * across:
@@ -73,21 +74,21 @@ def _reach(r: Table, across: int, along: int) -> int:
     return int((along >> r[RING_ACROSS]) + r[RING_PX])
 
 
-@njit(cache=True, nogil=True)
+@step
 def set_window(s: Table, r: Table, i: int) -> None:
     """Box and window of slot i from its sides and its velocity, at once."""
     next_window(s, r, i)
     take_window(s, i)
 
 
-@njit(cache=True, nogil=True)
+@step
 def take_window(s: Table, i: int) -> None:
     """Put slot i's next box and window in force."""
     for k in range(8):
         s[BOX_LO_X + k, i] = s[NEXT_BOX_LO_X + k, i]
 
 
-@njit(cache=True, nogil=True)
+@step
 def next_window(s: Table, r: Table, i: int) -> None:
     """Box and window of slot i from its sides and its velocity, which are not in force yet."""
     width = length(s, LO_X, HI_X, i)
@@ -114,7 +115,7 @@ def next_window(s: Table, r: Table, i: int) -> None:
     s[NEXT_WIN_HI_Y, i] = s[NEXT_BOX_HI_Y, i] + ring_y
 
 
-@njit(cache=True, nogil=True)
+@step
 def bounded(s: Table, r: Table, lo: int, hi: int, i: int) -> None:
     """Limit a side's length to `side_max`, about its middle."""
     most = r[SIDE_MAX] << SUB
@@ -136,13 +137,13 @@ def in_box(s: Table, i: int, x: int, y: int) -> bool:
     return bool(s[BOX_LO_X, i] <= x and x <= s[BOX_HI_X, i] and s[BOX_LO_Y, i] <= y and y <= s[BOX_HI_Y, i])
 
 
-@njit(cache=True, nogil=True)
+@step
 def gap(s: Table, lo: int, hi: int, i: int, j: int) -> int:
     """Pixels from one interval to the other; negative: how far they overlap."""
     return int(max(s[lo, i], s[lo, j]) - min(s[hi, i], s[hi, j]))
 
 
-@njit(cache=True, nogil=True)
+@step
 def windows_touch(s: Table, i: int, j: int) -> bool:
     """Whether two windows share a pixel."""
     return gap(s, WIN_LO_X, WIN_HI_X, i, j) <= 0 and gap(s, WIN_LO_Y, WIN_HI_Y, i, j) <= 0

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from ._kernel import (
     BUSY,
     EXPIRED,
@@ -42,7 +43,7 @@ BENCH_FIELDS = 10
 READY, REQUESTS, RELEASED = range(3)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _rests(c: Table, s: Table) -> bool:
     """Whether every tracker is idle or held in reset, and the output line is free."""
     for i in range(TRACKERS):
@@ -53,7 +54,7 @@ def _rests(c: Table, s: Table) -> bool:
     return bool(c[BUSY] == 0 and c[FREE] == 1)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _quiet_clocks(b: Table, c: Table, s: Table, r: Table, clock: Table) -> int:
     """Number of clocks from now on in which only timers advance."""
     if b[SENDER] != READY or not _rests(c, s):

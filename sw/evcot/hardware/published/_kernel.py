@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from .registers import REGISTERS, SELECT, SELECT_FIRST, TRACKERS
 
 __all__ = [
@@ -87,7 +88,7 @@ def _centre_req_n(s: Table) -> int:
     return int(s[STATE] != PROC_SEND)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _initialise(s: Table, r: Table) -> None:
     """INIT_CELL: reset everything but TC and the event."""
     s[CM_HIGH] = s[AV_HIGH] = r[INIT_CM_HIGH]
@@ -98,7 +99,7 @@ def _initialise(s: Table, r: Table) -> None:
     s[TC2_1] = s[TC2_2] = s[LAST_DIFF] = 0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _set_window(s: Table, r: Table) -> None:
     radius = s[G] + r[RADIX_TH]
     s[LO_HIGH] = max(s[CM_HIGH] - radius, 0)
@@ -108,7 +109,7 @@ def _set_window(s: Table, r: Table) -> None:
     s[HI_LOW] = min((s[CM_LOW] + radius) & 511, 255)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _set_radius(s: Table, r: Table) -> None:
     g = s[G]
     # The far end of the low coordinate never counts.
@@ -126,7 +127,7 @@ def _set_radius(s: Table, r: Table) -> None:
         s[QUIET] += 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _set_n_ev(s: Table) -> None:
     n = s[N_EV]
     if s[DIFF] > (2 * s[LAST_DIFF] & MASK32) and n > 1:
@@ -140,7 +141,7 @@ def _set_n_ev(s: Table) -> None:
     s[LAST_DIFF] = s[DIFF]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _clock(
     s: Table, r: Table, rst: int, req_n: int, high: int, low: int, pass_ack_n: int, event_ack_n: int, centre_ack_n: int
 ) -> None:
@@ -229,7 +230,7 @@ def _sends(s: Table, sender: int) -> bool:
     return bool(not _event_req_n(s[sender - TRACKERS]))
 
 
-@njit(cache=True, nogil=True)
+@step
 def _word(s: Table, sender: int) -> int:
     """The word of a sender on the line."""
     if sender < TRACKERS:
@@ -238,7 +239,7 @@ def _word(s: Table, sender: int) -> int:
     return int((0x10 | i) << 17 | s[i, EV_HIGH] << 9 | s[i, EV_LOW] << 1 | 1)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _first(s: Table) -> int:
     """The sender of the highest rank among those with a request, or NOBODY."""
     for sender in range(SENDERS):
@@ -247,7 +248,7 @@ def _first(s: Table) -> int:
     return NOBODY
 
 
-@njit(cache=True, nogil=True)
+@step
 def requests(c: Table, s: Table, r: Table, wires: Table, at: Row, out: Row) -> None:
     """Compute the cascade's requests from its input request.
 
@@ -272,7 +273,7 @@ def requests(c: Table, s: Table, r: Table, wires: Table, at: Row, out: Row) -> N
     out.m_word = _word(s, c[OWNER]) if offers else 0
 
 
-@njit(cache=True, nogil=True)
+@step
 def acknowledges(s: Table, r: Table, pass_ack_n: int, wires: Table, out: Row) -> None:
     """Compute the cascade's acknowledges from that of the receiver of passed events."""
     wires[TRACKERS, 1] = pass_ack_n
@@ -281,7 +282,7 @@ def acknowledges(s: Table, r: Table, pass_ack_n: int, wires: Table, out: Row) ->
     out.s_ack_n = wires[0, 1]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _library_line(c: Table, s: Table, rst: int, ack_n: int) -> None:
     """One clock edge of published_line.v, before that of its senders."""
     c[LINE_ACKED] = NOBODY
@@ -308,7 +309,7 @@ def _library_line(c: Table, s: Table, rst: int, ack_n: int) -> None:
         c[LINE_STATE], c[LINE_REQ_N], c[LINE_ACKED] = LINE_IDLE, 1, NOBODY
 
 
-@njit(cache=True, nogil=True)
+@step
 def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
     """One clock edge of the cascade and of its registers."""
     if c[LIBRARY_LINE]:
@@ -332,10 +333,12 @@ def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
             c[SELECTED] = selected if 0 <= selected < TRACKERS else NOBODY
     if at.rst:
         c[SELECTED] = NOBODY
-        r[:] = RESETS
+        for i in range(TRACKERS):
+            for column in range(RESETS.shape[1]):
+                r[i, column] = RESETS[i, column]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _write(r: Table, address: int, data: int) -> None:
     """Write to a register of one tracker."""
     for column in range(len(FIRST)):

@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from ..._numba_private import step
+
 __all__ = ["LINE_BYTES", "PADDING_BYTES", "SHORTEST_LINE_BYTES", "UNUSED", "P", "T", "X", "Y", "format_lines", "parse_lines"]
 
 # What a column holds; UNUSED columns are skipped.
@@ -62,7 +64,7 @@ def _append_digits(words, at, value):  # type: ignore[no-untyped-def]
     return value, at
 
 
-@njit(cache=True, nogil=True)
+@step
 def _scaled(mantissa, power, exact):  # type: ignore[no-untyped-def]
     """mantissa * 10**power for a mantissa >= 0, rounded to nearest, halves up; -1 on overflow, or if `exact` and not whole."""
     if mantissa == 0:
@@ -81,7 +83,7 @@ def _scaled(mantissa, power, exact):  # type: ignore[no-untyped-def]
     return quotient + (rest >= unit - rest)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _decimal(text, words, at, power, exact):  # type: ignore[no-untyped-def]
     """A number with optional sign, point and exponent, times 10**power; and the offset after it, -1 on overflow."""
     failed = np.int64(0), np.int64(-1)
@@ -120,7 +122,7 @@ def _decimal(text, words, at, power, exact):  # type: ignore[no-untyped-def]
     return (sign * value, at) if value >= 0 else failed
 
 
-@njit(cache=True, nogil=True)
+@step
 def _truth(text, at):  # type: ignore[no-untyped-def]
     """1 for "true", 0 for "false", in any case of letters, -1 for anything else; and the offset after it."""
     word = np.int64(0)
@@ -133,7 +135,7 @@ def _truth(text, at):  # type: ignore[no-untyped-def]
     return np.int64(-1), np.int64(at)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _line(text, words, at, separator, columns, power, exact, n, t_us, x, y, p):  # type: ignore[no-untyped-def]
     """Parse any line into entry n; returns the offset after it, -1 if a cell is invalid, and the index of that cell."""
     last = len(columns) - 1
@@ -173,14 +175,14 @@ def _line(text, words, at, separator, columns, power, exact, n, t_us, x, y, p): 
     return -1, 0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _past_blanks(text, at, separator):  # type: ignore[no-untyped-def]
     while text[at] == _BLANK or (text[at] == _TAB and separator != _TAB):
         at += 1
     return at
 
 
-@njit(cache=True, nogil=True)
+@step
 def _past_text(text, at):  # type: ignore[no-untyped-def]
     """Offset of the line's newline; -1 if a control character other than tab, or a lone carriage return, precedes it."""
     while text[at] >= _BLANK or text[at] == _TAB:

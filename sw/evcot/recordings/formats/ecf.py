@@ -21,6 +21,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from ...errors import RecordingError
 from .numeric import RECORD
 
@@ -166,13 +167,13 @@ def _packed_fours(data, at, words, bits):  # type: ignore[no-untyped-def]
     return at
 
 
-@njit(cache=True, nogil=True)
+@step
 def _run(data, at, run, full):  # type: ignore[no-untyped-def]
     """The length of a run: as given, or in the 16 bits at an offset if that is `full`; and the offset after it."""
     return _word(data, at) if run == full else (run, at)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _word(data, at):  # type: ignore[no-untyped-def]
     """The 16 bits at an offset, -1 beyond the data; and the offset after them."""
     if at + 2 > len(data):

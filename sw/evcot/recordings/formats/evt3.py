@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from ..._numba_private import step
 from .time_marks import advance
 from .vectors import put_vector
 from .words import Layout, Words
@@ -96,12 +97,12 @@ def _fill(words, state, t_us, x, y, p):  # type: ignore[no-untyped-def]
     return used, n, _State(t0_us, high, low, row, base, polarity, untimed, strange)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _moved(base, length):  # type: ignore[no-untyped-def]
     return min(base + length, _FAR) if base >= 0 else base
 
 
-@njit(cache=True, nogil=True)
+@step
 def _raised(high, low, word):  # type: ignore[no-untyped-def]
     """Both parts of the time after an upper mark: a new upper mark resets the lower part to zero."""
     mark = advance(high, word & (MARK_RANGE - 1), MARK_RANGE)

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..._numba_private import step
 
 __all__ = ["put_vector"]
 
@@ -14,7 +15,7 @@ _LOWEST = np.zeros(32, np.int64)
 _LOWEST[[(_DE_BRUIJN << i & 0xFFFFFFFF) >> 27 for i in range(32)]] = np.arange(32)
 
 
-@njit(cache=True, nogil=True)
+@step
 def put_vector(n, mask, time_us, left, row, polarity, t_us, x, y, p):  # type: ignore[no-untyped-def]
     """Write an event for each set bit of `mask`, an int64 below 2^32, from index `n` on; returns the index after the last."""
     while mask:

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from ...tracks.log import Kind
 
 __all__ = ["CURSOR", "DETECTION", "FRAME", "RECORDS_PER_TRACK", "TRACKED", "Rules", "distances", "follow", "own", "settle"]
@@ -83,7 +84,7 @@ BORN, MOVED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.LOST)
 _OUTSIDE = 1e3  # cost of a pair outside the gate, in gates
 
 
-@njit(cache=True, nogil=True)
+@step
 def _write(rules: Rules, row: Any, kind: int, index: int, t_us: int, track: Any) -> None:
     """Write a record with a track's predicted position at the end of the frame in which it was last detected."""
     ahead_s = 1e-6 * track.before_us
@@ -106,7 +107,7 @@ def _write(rules: Rules, row: Any, kind: int, index: int, t_us: int, track: Any)
     row.other_id = -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _end_of_life_us(rules: Rules, track: Any) -> int:
     return track.last_us + (rules.lifetime_us if track.track_id >= 0 else rules.candidate_us)  # type: ignore[no-any-return]
 
@@ -161,7 +162,7 @@ def distances(rules: Rules, cursor: Table, tracks: Table, found: Table, first_us
     return cost
 
 
-@njit(cache=True, nogil=True)
+@step
 def _pair_without_choice(rules: Rules, cost: Table, partner: Table) -> bool:
     """Pair all that are within a gate; returns whether the assignment is unambiguous."""
     partner[:] = -1
@@ -176,7 +177,7 @@ def _pair_without_choice(rules: Rules, cost: Table, partner: Table) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@step
 def _correct(rules: Rules, track: Any, seen: Any, first_us: int, last_us: int) -> None:
     """A critically damped g-h filter: memory fades with one time constant, independent of the frame rate.
 
@@ -205,13 +206,13 @@ def _correct(rules: Rules, track: Any, seen: Any, first_us: int, last_us: int) -
     _mark(track, seen, first_us, last_us)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _mark(track: Any, seen: Any, first_us: int, last_us: int) -> None:
     track.last_us = last_us
     track.before_us = (last_us - first_us) - seen.after_us
 
 
-@njit(cache=True, nogil=True)
+@step
 def _seed(cur: Any, tracks: Table, slot_taken: Table, seen: Any, first_us: int, last_us: int) -> None:
     slot = 0
     while slot_taken[slot]:

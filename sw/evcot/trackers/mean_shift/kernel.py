@@ -26,6 +26,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
+
 __all__ = ["Cost", "Iteration", "converge"]
 
 Table = NDArray[Any]
@@ -159,7 +161,7 @@ def _in_strips(z: Table, top: float, height_px: float) -> tuple[Table, Table]:
     return order, begin
 
 
-@njit(cache=True, nogil=True)
+@step
 def _after(x: Table, begin: int, end: int, limit: float) -> int:
     """Index of the first of x[begin:end], ascending, that is not below a limit."""
     while begin < end:
