@@ -27,7 +27,8 @@ def tick_times(t_us: NDArray[np.int64], t0_us: int, tick_us: int) -> NDArray[np.
 class TickedEvents:
     """Events with times in ticks, the input of trackers and filters in hardware and of their models.
 
-    The columns are contiguous and of these types, whatever they were made from; a part, `events[begin:end]`, shares memory.
+    The columns are contiguous, of these types and cannot be written, whatever they were made from: Numba compiles a loop over
+    them once. A part, `events[begin:end]`, shares memory.
 
     Attributes:
         ticks: (n,) int64, ticks since reset at each event, never decreasing.
@@ -45,9 +46,7 @@ class TickedEvents:
 
     def __post_init__(self) -> None:
         for name, kind in _COLUMNS.items():
-            given = getattr(self, name)
-            if given.dtype != kind or not given.flags.c_contiguous:
-                object.__setattr__(self, name, _column(name, kind, given))
+            object.__setattr__(self, name, _column(name, kind, getattr(self, name)))
         if not len(self.ticks) == len(self.x) == len(self.y) == len(self.p):
             raise RecordingError(
                 f"ticks, x, y, p hold {len(self.ticks)}, {len(self.x)}, {len(self.y)}, {len(self.p)} values: "
@@ -80,12 +79,16 @@ class TickedEvents:
 
 
 def _column(name: str, kind: np.dtype[Any], given: NDArray[Any]) -> NDArray[Any]:
-    """The same values as a contiguous column of its own type."""
-    with np.errstate(invalid="ignore"):
-        column = np.ascontiguousarray(given, kind)
-    if not np.array_equal(column, given):
-        i = int(np.argmax(column != given))
-        raise RecordingError(f"event {i}: {name} = {given[i]}: must be a value of {kind}")
+    """The same values as a contiguous column of its own type, that cannot be written."""
+    if given.dtype == kind and given.flags.c_contiguous:
+        column = given.view()
+    else:
+        with np.errstate(invalid="ignore"):
+            column = np.ascontiguousarray(given, kind)
+        if not np.array_equal(column, given):
+            i = int(np.argmax(column != given))
+            raise RecordingError(f"event {i}: {name} = {given[i]}: must be a value of {kind}")
+    column.flags.writeable = False
     return column
 
 

@@ -144,7 +144,8 @@ def group(
 ) -> tuple[Table, Cost]:  # fmt: skip
     """Cluster each frame independently, and set its range of clusters in `frames`; returns (d,) `DETECTION` and the cost."""
     out = np.zeros(64, DETECTION)
-    at = points_all = shifts = iterations = evaluations = pairs = 0
+    points_all = shifts = iterations = evaluations = pairs = 0
+    at: Any = np.int64(0)  # no constant, for which Numba would compile `_describe` once more
     for frame in frames:
         part = slice(frame.begin, frame.end)
         if of_pixels:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from evcot.events import Events
 from evcot.trackers.frame_based.kernel import FRAME
 from evcot.trackers.mean_shift.clusters import Coordinates, event_points, fuse, group, pixel_points
 from evcot.trackers.mean_shift.kernel import Iteration
@@ -14,9 +15,10 @@ RULES = Iteration(bandwidth_px=4.0, cutoff=3.0, tolerance_px=0.01, max_iteration
 
 
 def columns(*events: tuple[int, int, int, int]) -> tuple[np.ndarray, ...]:  # type: ignore[type-arg]
-    """t, x, y, p of events."""
+    """t, x, y, p of events, as the tracker has them: none can be written."""
     t_us, x, y, p = zip(*events, strict=True)
-    return np.array(t_us, np.int64), np.array(x, np.uint16), np.array(y, np.uint16), np.array(p, np.uint8)
+    seen = Events(np.array(t_us, np.int64), np.array(x, np.uint16), np.array(y, np.uint16), np.array(p, np.uint8)).read_only()
+    return seen.t_us, seen.x, seen.y, seen.p
 
 
 def test_an_event_is_its_place_its_polarity_and_its_fading() -> None:
