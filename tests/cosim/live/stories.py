@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,7 +80,7 @@ class Played:
     name = "played"
     sensor = SENSOR
 
-    def __init__(self, parts: list[Events], before: Callable[[int], object] = lambda _: None) -> None:
+    def __init__(self, parts: Iterable[Events], before: Callable[[int], object] = lambda _: None) -> None:
         self.left_out: Counter[str] = Counter()
         self.closed = False
         self._parts, self._before = parts, before

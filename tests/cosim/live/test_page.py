@@ -25,10 +25,15 @@ from .stories import HELLO, SENSOR, EveryTenth, Played, events, playing, wait_un
 pytest.importorskip("websockets", reason="websockets is not installed")
 
 
+def blinking(parts: int = 100_000) -> Iterator[Events]:
+    """Events at (20, 10), ON and OFF: parts of 10 ms, each made when it is asked for."""
+    for i in range(parts):
+        yield events(*(10_000 * i + np.arange(0, 10_000, 500)).tolist(), x=20, y=10)
+
+
 def started(hello: dict[str, object] = HELLO) -> Player:
-    """Events at (20, 10), ON and OFF, and a cluster there, for as long as anybody wants."""
-    parts = [events(*(10_000 * i + np.arange(0, 10_000, 500)).tolist(), x=20, y=10) for i in range(100_000)]
-    player = playing(Session(Played(parts, lambda _: time.sleep(0.01)), EveryTenth()), hello)
+    """A cluster at events that blink for as long as anybody wants."""
+    player = playing(Session(Played(blinking(), lambda _: time.sleep(0.01)), EveryTenth()), hello)
     player.start()
     return player
 
@@ -174,8 +179,7 @@ class Studio:
         if wish.preset == "discs":
             raise ConfigError("preset discs: is not today's")
         self.asked.append(wish)
-        parts = [events(*(10_000 * i + np.arange(0, 10_000, 500)).tolist(), x=20, y=10) for i in range(self._parts)]
-        source = Seekable(parts, lambda _: time.sleep(0.01))
+        source = Seekable(blinking(self._parts), lambda _: time.sleep(0.01))
         beside = [Beside("hardware", "RTL in simulation", Elsewhere())] if wish.hardware else []
         hello = {**HELLO, "engine": wish.engine, "preset": wish.preset, "seekable": True}
         hello["lanes"] = [wish.engine, *(each.name for each in beside)]
