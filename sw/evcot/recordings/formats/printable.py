@@ -11,7 +11,8 @@ _MOST_DIGITS = 18  # any number with this many digits fits into 64 bits
 
 def printable(text: str) -> str:
     """The text in one line, with `?` for unprintable characters."""
-    return "".join(each if each.isprintable() else "?" for each in " ".join(text.split()))
+    line = " ".join(text.split())
+    return line if line.isprintable() else "".join(each if each.isprintable() else "?" for each in line)
 
 
 def reason(error: BaseException) -> str:

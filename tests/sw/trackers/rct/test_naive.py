@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,15 +78,11 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
 
     def merge(index: int, now: int) -> None:
         while True:
-            overlaps = [
-                (a, b)
-                for i, a in enumerate(clusters)
-                for b in clusters[i + 1 :]
-                if max(abs(a.x - b.x), abs(a.y - b.y)) <= 2 * radius
-            ]
-            if not overlaps:
+            pairs = itertools.combinations(clusters, 2)
+            overlap = next(((a, b) for a, b in pairs if abs(a.x - b.x) <= 2 * radius and abs(a.y - b.y) <= 2 * radius), None)
+            if overlap is None:
                 return
-            a, b = overlaps[0]
+            a, b = overlap
             if b.track_id is not None and (a.track_id is None or b.track_id < a.track_id):
                 a, b = b, a
             if b.track_id is not None:
