@@ -122,7 +122,8 @@ class _WordSink(ABC):
         """See `source.Sink`."""
         if not len(events):
             return
-        t_us, x, y, p = events.t_us, events.x, events.y, events.p
+        seen = events.read_only()
+        t_us, x, y, p = seen.t_us, seen.x, seen.y, seen.p
         self._check("t", t_us, t_us < 0, "must not be negative")
         for axis, values in (("x", x), ("y", y)):
             self._check(axis, values, values >= _ADDRESSES, f"must be below {_ADDRESSES} in EVT {self._number}.0")

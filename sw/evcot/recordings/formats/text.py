@@ -133,6 +133,7 @@ class _CsvSink:
         file.write("t_us,x@{},y@{},p\n".format(*sensor).encode())
 
     def write(self, events: Events) -> None:
+        events = events.read_only()
         text = np.empty(len(events) * LINE_BYTES, np.uint8)
         length = format_lines(events.t_us, events.x, events.y, events.p, text)
         self._file.write(text[:length].data)
