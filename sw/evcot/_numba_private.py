@@ -23,7 +23,7 @@ from typing import Any, TypeVar, cast
 from numba import njit, types
 from numba.cpython.unsafe.numbers import trailing_zeros
 
-__all__ = ["step", "trailing_zeros"]
+__all__ = ["inlined_step", "step", "trailing_zeros"]
 
 _INSIDE: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 _Function = TypeVar("_Function", bound=Callable[..., Any])

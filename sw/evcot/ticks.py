@@ -27,8 +27,8 @@ def tick_times(t_us: NDArray[np.int64], t0_us: int, tick_us: int) -> NDArray[np.
 class TickedEvents:
     """Events with times in ticks, the input of trackers and filters in hardware and of their models.
 
-    The columns are contiguous, of these types and cannot be written, whatever they were made from: Numba compiles a loop over
-    them once. A part, `events[begin:end]`, shares memory.
+    The columns are contiguous, read-only and of these types, whatever they were made from, so Numba compiles a loop over them
+    only once. A part, `events[begin:end]`, shares memory.
 
     Attributes:
         ticks: (n,) int64, ticks since reset at each event, never decreasing.
@@ -79,7 +79,7 @@ class TickedEvents:
 
 
 def _column(name: str, kind: np.dtype[Any], given: NDArray[Any]) -> NDArray[Any]:
-    """The same values as a contiguous column of its own type, that cannot be written."""
+    """The same values as a contiguous, read-only column of its own type."""
     if given.dtype == kind and given.flags.c_contiguous:
         column = given.view()
     else:

@@ -58,6 +58,7 @@ def _read(path: Path, answers: Connection) -> None:
                 seen, longest = seen + len(block), max(longest, len(block))
     except RecordingError as error:
         refusal = str(error)
+    # Not from getrusage, whose peak of a process begins with that of the process that started it.
     with Path("/proc/self/status").open() as status:
         peak_kb = next(int(line.split()[1]) for line in status if line.startswith("VmHWM:"))
     answers.send((Answer(seen, longest, refusal), peak_kb // 1024))

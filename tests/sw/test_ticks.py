@@ -21,15 +21,15 @@ def recording(*t_us: int) -> Events:
     return Events(np.array(t_us, np.int64), x, x + np.uint16(10), (x % 2).astype(np.uint8))
 
 
-def is_seen(column: NDArray[np.generic], given: NDArray[np.generic]) -> bool:
-    """Whether a column is the given one, in the same memory, but cannot be written."""
+def is_read_only_view(column: NDArray[np.generic], given: NDArray[np.generic]) -> bool:
+    """Whether a column is the given one, in the same memory, but read-only."""
     return column.__array_interface__["data"] == (given.ctypes.data, True) and np.array_equal(column, given)
 
 
-def test_good_columns_are_taken_as_they_are_and_cannot_be_written() -> None:
+def test_good_columns_are_taken_as_they_are_and_are_read_only() -> None:
     given = {name: np.arange(5).astype(kind) for name, kind in COLUMNS.items()}
     made = TickedEvents(**given)
-    assert all(is_seen(getattr(made, name), column) for name, column in given.items())
+    assert all(is_read_only_view(getattr(made, name), column) for name, column in given.items())
     assert all(column.flags.writeable for column in given.values())
 
 
@@ -97,7 +97,7 @@ def test_events_become_ticks_from_the_first_of_them_or_from_a_time(tick_us: int,
     events = recording(100, 109, 110, 125)
     made = TickedEvents.of(events, tick_us)
     assert made.ticks.tolist() == ticks
-    assert all(is_seen(getattr(made, axis), getattr(events, axis)) for axis in "xyp")
+    assert all(is_read_only_view(getattr(made, axis), getattr(events, axis)) for axis in "xyp")
     assert TickedEvents.of(events, tick_us, 80).ticks.tolist() == [(t - 80) // tick_us for t in (100, 109, 110, 125)]
     assert len(TickedEvents.of(events[:0], tick_us)) == 0
 

@@ -56,10 +56,7 @@ _QUEUES = [f"template class std::deque<{of}>;" for of in ("CData", "SData", "IDa
 
 # A context for each simulation: with a shared one, every waveform would show the signals of all simulations.
 _CONTEXT_FILE = "evcot_context.cpp"
-_CONTEXT_CPP = (
-    "\n".join(['#include "verilated.h"', *_QUEUES])
-    + """
-extern "C" void* construct();
+_NEW_CONTEXT = """extern "C" void* construct();
 extern "C" { void* (*evcot_construct)() = construct; }
 extern "C" void evcot_new_context(int seed) {
     VerilatedContext* context = new VerilatedContext;
@@ -68,7 +65,7 @@ extern "C" void evcot_new_context(int seed) {
     Verilated::threadContextp(context);
 }
 """
-)
+_CONTEXT_CPP = "\n".join(['#include "verilated.h"', *_QUEUES, _NEW_CONTEXT])
 
 # Only the context is compiled by itself. pyverilator's wrapper, the drive and the model are joined into one file: the headers,
 # which take longer to compile than most of these files, are read once, and calls from the drive into the model can be inlined.

@@ -102,7 +102,7 @@ def _samples(stage: Stage, times_us: Iterable[int], sensor: tuple[int, int]) -> 
     for t_us in times_us:
         objects = stage.objects(t_us)
         objects["t_us"] = t_us
-        ids = np.array(objects["object_id"], np.int64)  # of one layout, for which Numba compiles the kernel once
+        ids = np.array(objects["object_id"], np.int64)  # contiguous, so Numba compiles the kernel only once
         objects["occluded"] = hidden_parts(stage.shapes(t_us), ids, *sensor)
         moments.append(objects.tobytes())
     samples = np.frombuffer(bytearray().join(moments), TRUTH)

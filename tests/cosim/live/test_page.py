@@ -26,13 +26,13 @@ pytest.importorskip("websockets", reason="websockets is not installed")
 
 
 def blinking(parts: int = 100_000) -> Iterator[Events]:
-    """Events at (20, 10), ON and OFF: parts of 10 ms, each made when it is asked for."""
+    """Events at (20, 10), ON and OFF: parts of 10 ms, made one at a time."""
     for i in range(parts):
         yield events(*(10_000 * i + np.arange(0, 10_000, 500)).tolist(), x=20, y=10)
 
 
 def started(hello: dict[str, object] = HELLO) -> Player:
-    """A cluster at events that blink for as long as anybody wants."""
+    """A player with one cluster, at events that go on for longer than any test."""
     player = playing(Session(Played(blinking(), lambda _: time.sleep(0.01)), EveryTenth()), hello)
     player.start()
     return player

@@ -111,7 +111,7 @@ def test_a_log_in_runs_is_sampled_as_the_whole(seed: int, run: int, monkeypatch:
     np.testing.assert_array_equal(sampled(runs, times_us, age_us), sample(whole, times_us))
     ids, offsets_us = np.arange(len(times_us)) % 6, np.array([3, -30, 0, 90])
     expected = positions(whole, ids, times_us[:, None] + offsets_us)
-    for at_once in (1 << 16, 48 if run < 50 else 7):  # positions: 7 are one instant
+    for at_once in (1 << 16, 7):  # positions
         monkeypatch.setattr("evcot.metrics.sampling._AT_ONCE", at_once)
         found, known = np.full((2, *expected[0].shape), np.nan), np.zeros(expected[0].shape, int)
         for some in positions_around(runs, age_us, ids, times_us, offsets_us):

@@ -15,7 +15,7 @@ RULES = Iteration(bandwidth_px=4.0, cutoff=3.0, tolerance_px=0.01, max_iteration
 
 
 def columns(*events: tuple[int, int, int, int]) -> tuple[np.ndarray, ...]:  # type: ignore[type-arg]
-    """t, x, y, p of events, as the tracker has them: none can be written."""
+    """t, x, y, p of events, read-only, as the tracker has them."""
     t_us, x, y, p = zip(*events, strict=True)
     seen = Events(np.array(t_us, np.int64), np.array(x, np.uint16), np.array(y, np.uint16), np.array(p, np.uint8)).read_only()
     return seen.t_us, seen.x, seen.y, seen.p
