@@ -277,18 +277,20 @@
 #define EVCOT_MOTION_SIDE_MAX 0x0294u /* longest side, px */
 #define EVCOT_MOTION_GAIN_LOG2 0x0298u /* gain of a velocity's correction is 2^-gain_log2 in the end */
 #define EVCOT_MOTION_GAIN_SLOW 0x029Cu /* 2^gain_slow corrections until a gain is halved */
-#define EVCOT_MOTION_SETTLE 0x02A0u /* corrections during which a velocity follows the slower of two sides */
-#define EVCOT_MOTION_SPEED_MAX 0x02A4u /* limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events */
-#define EVCOT_MOTION_FRICTION 0x02A8u /* a silent slot loses 2^-friction of its velocity a step; 0: nothing */
-#define EVCOT_MOTION_NEV_LOW 0x02ACu /* fewest events of a correction */
-#define EVCOT_MOTION_NEV_HIGH 0x02B0u /* most events of a correction */
-#define EVCOT_MOTION_SEED_PX 0x02B4u /* half the side of a new candidate's box */
-#define EVCOT_MOTION_RING_PX 0x02B8u /* least distance of a window from its box */
-#define EVCOT_MOTION_RING_MAX 0x02BCu /* largest distance of a window from its box */
-#define EVCOT_MOTION_RING_ACROSS 0x02C0u /* distance across the motion is 2^-ring_across of the box's side there */
-#define EVCOT_MOTION_RING_ALONG 0x02C4u /* distance along the motion is 2^-ring_along of the side across it */
-#define EVCOT_MOTION_RING_ANY 0x02C8u /* distance, where there is no one direction, is 2^-ring_any of the side */
-#define EVCOT_MOTION_ELONGATION 0x02CCu /* a box this many times as long as it is wide reaches along its motion as across it */
+#define EVCOT_MOTION_GAIN_FAST 0x02A0u /* it is doubled while corrections agree in direction, up to 2^-gain_fast; 0: it is not */
+#define EVCOT_MOTION_SETTLE 0x02A4u /* corrections during which a velocity follows the slower of two sides */
+#define EVCOT_MOTION_SPEED_MAX 0x02A8u /* limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events */
+#define EVCOT_MOTION_FRICTION 0x02ACu /* a silent slot loses 2^-friction of its velocity a step; 0: nothing */
+#define EVCOT_MOTION_COAST_SLOW 0x02B0u /* a silent slot moves by 2^-coast_slow of its velocity */
+#define EVCOT_MOTION_NEV_LOW 0x02B4u /* fewest events of a correction */
+#define EVCOT_MOTION_NEV_HIGH 0x02B8u /* most events of a correction */
+#define EVCOT_MOTION_SEED_PX 0x02BCu /* half the side of a new candidate's box */
+#define EVCOT_MOTION_RING_PX 0x02C0u /* least distance of a window from its box */
+#define EVCOT_MOTION_RING_MAX 0x02C4u /* largest distance of a window from its box */
+#define EVCOT_MOTION_RING_ACROSS 0x02C8u /* distance across the motion is 2^-ring_across of the box's side there */
+#define EVCOT_MOTION_RING_ALONG 0x02CCu /* distance along the motion is 2^-ring_along of the side across it */
+#define EVCOT_MOTION_RING_ANY 0x02D0u /* distance, where there is no one direction, is 2^-ring_any of the side */
+#define EVCOT_MOTION_ELONGATION 0x02D4u /* a box this many times as long as it is wide reaches along its motion as across it */
 #define EVCOT_MOTION_COMMIT 0x02FCu
 
 /* Registers of lives, likewise; they exist only with TRACKER = 2 (EVCOT_BUILD_TRACKER), and a commit of values
@@ -297,20 +299,21 @@
 #define EVCOT_TRACKS_LIFE_LOG2 0x0308u /* a life ends after 2^life_log2 times the usual time between corrections without one */
 #define EVCOT_TRACKS_LIFE_TICKS 0x030Cu /* but not before this time */
 #define EVCOT_TRACKS_COAST_TICKS 0x0310u /* nor after this time */
-#define EVCOT_TRACKS_BIRTH_SUPPORT 0x0314u /* events that a candidate needs to become visible */
-#define EVCOT_TRACKS_BIRTH_PX 0x0318u /* sides that it needs */
-#define EVCOT_TRACKS_BIRTH_TICKS 0x031Cu /* time that it needs */
-#define EVCOT_TRACKS_BIRTH_TRAVEL 0x0320u /* since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side */
-#define EVCOT_TRACKS_GAP_CORRECTIONS 0x0324u /* corrections after which a box is looked through for a gap; 0: never */
-#define EVCOT_TRACKS_GAP_SHARE 0x0328u /* a bin with at most 2^-gap_share of the events is empty */
-#define EVCOT_TRACKS_GAP_PX 0x032Cu /* narrowest gap */
-#define EVCOT_TRACKS_JOIN_STEPS 0x0330u /* steps for which two slots must move together before they merge */
-#define EVCOT_TRACKS_JOIN_LIFE 0x0334u /* and 2^-join_life of the younger's life */
-#define EVCOT_TRACKS_JOIN_SPEED 0x0338u /* together: velocities differ by at most 2^-join_speed of the larger */
-#define EVCOT_TRACKS_JOIN_REACH 0x033Cu /* one object: a gap along the motion of at most 2^-join_reach of the width */
-#define EVCOT_TRACKS_JOIN_PX 0x0340u /* one object: a gap of so many px otherwise */
-#define EVCOT_TRACKS_KEEP_OLDER 0x0344u /* of two that merge stays 0: the one with more support; 1: the one that was seeded first */
-#define EVCOT_TRACKS_REPORT_STEPS 0x0348u /* steps after which a slot without a correction is reported */
+#define EVCOT_TRACKS_RETURN_TICKS 0x0314u /* ticks after its end in which a track goes on in what becomes visible there; 0: never */
+#define EVCOT_TRACKS_BIRTH_SUPPORT 0x0318u /* events that a candidate needs to become visible */
+#define EVCOT_TRACKS_BIRTH_PX 0x031Cu /* sides that it needs */
+#define EVCOT_TRACKS_BIRTH_TICKS 0x0320u /* time that it needs */
+#define EVCOT_TRACKS_BIRTH_TRAVEL 0x0324u /* since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side */
+#define EVCOT_TRACKS_GAP_CORRECTIONS 0x0328u /* corrections after which a box is looked through for a gap; 0: never */
+#define EVCOT_TRACKS_GAP_SHARE 0x032Cu /* a bin with at most 2^-gap_share of the events is empty */
+#define EVCOT_TRACKS_GAP_PX 0x0330u /* narrowest gap */
+#define EVCOT_TRACKS_JOIN_STEPS 0x0334u /* steps for which two slots must move together before they merge */
+#define EVCOT_TRACKS_JOIN_LIFE 0x0338u /* and 2^-join_life of the younger's life */
+#define EVCOT_TRACKS_JOIN_SPEED 0x033Cu /* together: velocities differ by at most 2^-join_speed of the larger */
+#define EVCOT_TRACKS_JOIN_REACH 0x0340u /* one object: a gap along the motion of at most 2^-join_reach of the width */
+#define EVCOT_TRACKS_JOIN_PX 0x0344u /* one object: a gap of so many px otherwise */
+#define EVCOT_TRACKS_KEEP_OLDER 0x0348u /* of two that merge stays 0: the one with more support; 1: the one that was seeded first */
+#define EVCOT_TRACKS_REPORT_STEPS 0x034Cu /* steps after which a slot without a correction is reported */
 #define EVCOT_TRACKS_COMMIT 0x037Cu
 
 /* Sources. */

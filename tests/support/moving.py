@@ -33,6 +33,9 @@ VARIANTS = {
     "large sides": {"side_step": 60_000, "side_max": 60, "speed_max": 32_767},
     "fine steps": {"step_log2": 0, "report_steps": 20, "gain_log2": 9, "gain_slow": 0, "settle": 0},
     "coarse steps": {"step_log2": 9, "settle": 63, "gain_log2": 1, "join_steps": 1},
+    "quick turns": {"gain_log2": 6, "gain_slow": 0, "gain_fast": 2, "coast_slow": 3, "friction": 2},
+    "tracks return": {"return_ticks": 3_000, "coast_ticks": 500, "birth_support": 8, "birth_px": 1, "coast_slow": 1},
+    "everything returns": {"return_ticks": 2**24 - 1, "birth_support": 1, "birth_px": 0, "birth_ticks": 0, "birth_travel": 8},
     "everything is born": {"birth_support": 1, "birth_px": 0, "birth_ticks": 0, "birth_travel": 8},
 }
 

@@ -46,6 +46,7 @@ class Axis:
     bins: list[int] = field(default_factory=lambda: [0] * 16)
     bin_px: int = 1
     start: int = 0
+    ways: list[int] = field(default_factory=list)  # of the corrections in one direction, the last ones
 
     @property
     def side(self) -> int:
@@ -85,6 +86,13 @@ class Axis:
             return 0
         return 2 * (self.off[0] if abs(self.off[0]) < abs(self.off[1]) else self.off[1])
 
+    def go(self, way: int) -> None:
+        """A correction moves it by this way."""
+        if way == 0 or (self.ways and (way > 0) != (self.ways[-1] > 0)):
+            self.ways = []
+        if way:
+            self.ways.append(way)
+
     def clear_bins(self) -> None:
         self.bins, self.bin_px = [0] * 16, 2 ** max(0, self.px.bit_length() - 3)
 
@@ -112,6 +120,7 @@ class Slot:
 
     def __init__(self, number: int, r: MotionRegisters, x: int, y: int, now: int) -> None:
         self.number, self.r, self.visible, self.id = number, r, False, 0
+        self.left = False  # lost, but it may return
         self.axes = [Axis((at - r.seed_px) * PX, (at + r.seed_px) * PX) for at in (x, y)]
         self.count = self.support = self.corrections = self.together = self.looked = 0
         self.partner: Slot | None = None
@@ -185,8 +194,14 @@ class Slot:
         ticks = min(max(now - self.last, 1), 2**24 - 1)
         for axis in self.axes:
             if self.corrections >= 2:
-                gain = min(1 + self.corrections // 2**r.gain_slow, r.gain_log2) + self.meets
-                change = divided(axis.common(self.corrections < r.settle), r.step_log2 - 1 - gain, ticks)
+                way = axis.common(self.corrections < r.settle)
+                axis.go(way)
+                gain = min(1 + self.corrections // 2**r.gain_slow, r.gain_log2)
+                if self.meets:
+                    gain += 1
+                elif r.gain_fast and gain > r.gain_fast:
+                    gain = max(gain - max(min(len(axis.ways), 7) - 2, 0), r.gain_fast)
+                change = divided(way, r.step_log2 - 1 - gain, ticks)
                 axis.v = max(-r.speed_max, min(r.speed_max, axis.v + change))
             axis.off = [0, 0]
         self.usual = ticks if self.corrections == 0 else self.usual + (ticks - self.usual) // 4
@@ -222,11 +237,12 @@ class Slot:
 
     def advance(self, now: int) -> None:
         r = self.r
-        dies = r.friction and not self.meets and now - self.last > 4 * self.usual
+        silent = not self.meets and now - self.last > 2 * self.usual
         for axis in self.axes:
-            if all(-REACH_PX * PX <= side + axis.v < 2 * REACH_PX * PX for side in (axis.lo, axis.hi)):
-                axis.lo, axis.hi = axis.lo + axis.v, axis.hi + axis.v
-            if dies:
+            way = axis.v // 2**r.coast_slow if silent else axis.v
+            if all(-REACH_PX * PX <= side + way < 2 * REACH_PX * PX for side in (axis.lo, axis.hi)):
+                axis.lo, axis.hi = axis.lo + way, axis.hi + way
+            if silent and r.friction:
                 axis.v -= axis.v >> r.friction
 
     def bound(self) -> None:
@@ -273,12 +289,16 @@ class Slot:
             and way >= (sum(sides) >> (r.birth_travel + 1)) + 2 * PX
         )
 
+    def reaches(self, other: Slot) -> bool:
+        """Whether the windows share a pixel."""
+        return all(gap(a.window, b.window) <= 0 for a, b in zip(self.axes, other.axes, strict=True))
+
     def hide(self, others: list[Slot]) -> None:
         self.meets = False
         for axis in self.axes:
             axis.hidden = [False, False]
         for other in others:
-            if any(gap(a.window, b.window) > 0 for a, b in zip(self.axes, other.axes, strict=True)):
+            if not self.reaches(other):
                 continue
             self.meets = True
             for i in (0, 1):
@@ -343,18 +363,20 @@ class SlowArray:
         self.next_step = (now // step + 1) * step
 
     def _owner(self, now: int, place: tuple[int, int]) -> tuple[Slot | None, bool]:
-        here = [slot for slot in self.slots if slot is not None and slot is not self.seeded and slot.holds(place)]
+        living = [slot for slot in self.slots if slot is not None and not slot.left]
+        here = [slot for slot in living if slot is not self.seeded and slot.holds(place)]
         visible = [slot for slot in here if slot.visible]
         for choice in ([slot for slot in visible if slot.boxes(place)], visible):
             if choice:
                 return choice[0], len(choice) > 1
         if here or self.seeded is not None:
             return (here[0] if here else None), False
-        for i, slot in enumerate(self.slots):
-            if slot is None:
-                self.slots[i] = self.seeded = Slot(i, self.r, *place, now)
-                return self.seeded, False
-        return None, False
+        free = [i for i, slot in enumerate(self.slots) if slot is None]
+        free += [i for i, slot in enumerate(self.slots) if slot is not None and slot.left]
+        if not free:
+            return None, False
+        self.slots[free[0]] = self.seeded = Slot(free[0], self.r, *place, now)
+        return self.seeded, False
 
     def _record(self, slot: Slot, kind: Kind, time: int, seq: int | None = None, other: int = 0) -> None:
         x, y = slot.axes
@@ -366,14 +388,19 @@ class SlowArray:
         )
 
     def _living(self, but: Slot) -> list[Slot]:
-        return [slot for slot in self.slots if slot is not None and slot is not but]
+        return [slot for slot in self.slots if slot is not None and slot is not but and not slot.left]
 
     def _step(self, slot: Slot, now: int) -> None:
         r = self.r
         if now >= slot.deadline:
             if slot.visible:
                 self._record(slot, Kind.LOST, now)
-            self.slots[slot.number] = None
+            if slot.visible and r.return_ticks:
+                slot.visible, slot.left, slot.deadline = False, True, now + r.return_ticks
+            else:
+                self.slots[slot.number] = None
+            return
+        if slot.left:
             return
         if slot.visible or slot.corrections >= 4:
             slot.advance(now)
@@ -385,7 +412,13 @@ class SlowArray:
         if not slot.visible:
             if self._absorbed(slot) or not slot.appears(now):
                 return
-            slot.visible, slot.id = True, self.births & self.id_mask
+            slot.visible = True
+            gone = [other for other in self.slots if other is not None and other.left and slot.reaches(other)]
+            if gone:
+                slot.id, self.slots[gone[0].number] = gone[0].id, None
+                self._record(slot, Kind.MOVED, now)
+                return
+            slot.id = self.births & self.id_mask
             self.births += 1
             self._record(slot, Kind.BORN, now)
             return

@@ -142,9 +142,11 @@ function motion_has(input [`EVCOT_MREG_W-1:0] word);
         || word == `EVCOT_MREG_SIDE_MAX
         || word == `EVCOT_MREG_GAIN_LOG2
         || word == `EVCOT_MREG_GAIN_SLOW
+        || word == `EVCOT_MREG_GAIN_FAST
         || word == `EVCOT_MREG_SETTLE
         || word == `EVCOT_MREG_SPEED_MAX
         || word == `EVCOT_MREG_FRICTION
+        || word == `EVCOT_MREG_COAST_SLOW
         || word == `EVCOT_MREG_NEV_LOW
         || word == `EVCOT_MREG_NEV_HIGH
         || word == `EVCOT_MREG_SEED_PX
@@ -158,6 +160,7 @@ function motion_has(input [`EVCOT_MREG_W-1:0] word);
         || word == `EVCOT_MREG_LIFE_LOG2
         || word == `EVCOT_MREG_LIFE_TICKS
         || word == `EVCOT_MREG_COAST_TICKS
+        || word == `EVCOT_MREG_RETURN_TICKS
         || word == `EVCOT_MREG_BIRTH_SUPPORT
         || word == `EVCOT_MREG_BIRTH_PX
         || word == `EVCOT_MREG_BIRTH_TICKS
@@ -205,9 +208,11 @@ function [31:0] motion_high(input [`EVCOT_MREG_W-1:0] word);
         `EVCOT_MREG_SIDE_MAX: motion_high = 32'd4095;
         `EVCOT_MREG_GAIN_LOG2: motion_high = 32'd12;
         `EVCOT_MREG_GAIN_SLOW: motion_high = 32'd6;
+        `EVCOT_MREG_GAIN_FAST: motion_high = 32'd12;
         `EVCOT_MREG_SETTLE: motion_high = 32'd63;
         `EVCOT_MREG_SPEED_MAX: motion_high = 32'd32767;
         `EVCOT_MREG_FRICTION: motion_high = 32'd15;
+        `EVCOT_MREG_COAST_SLOW: motion_high = 32'd3;
         `EVCOT_MREG_NEV_LOW: motion_high = 32'd1023;
         `EVCOT_MREG_NEV_HIGH: motion_high = 32'd1023;
         `EVCOT_MREG_SEED_PX: motion_high = 32'd255;
@@ -221,6 +226,7 @@ function [31:0] motion_high(input [`EVCOT_MREG_W-1:0] word);
         `EVCOT_MREG_LIFE_LOG2: motion_high = 32'd8;
         `EVCOT_MREG_LIFE_TICKS: motion_high = 32'd16777215;
         `EVCOT_MREG_COAST_TICKS: motion_high = 32'd16777215;
+        `EVCOT_MREG_RETURN_TICKS: motion_high = 32'd16777215;
         `EVCOT_MREG_BIRTH_SUPPORT: motion_high = 32'd65535;
         `EVCOT_MREG_BIRTH_PX: motion_high = 32'd255;
         `EVCOT_MREG_BIRTH_TICKS: motion_high = 32'd16777215;

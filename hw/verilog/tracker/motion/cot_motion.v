@@ -174,7 +174,7 @@ module cot_motion #(
     wire [9:0]          o_log2, o_n_ev;
     wire [4*PX_W-1:0]   o_box, o_window, ask_for;
     wire                ask, begins;
-    wire [N-1:0]        in_box, in_window, visible, candidate;
+    wire [N-1:0]        in_box, in_window, visible, candidate, left;
     wire [SLOT_W-1:0]   begins_slot, bin_slot;
     wire                bin_count, bin_clear, in_bin_x, in_bin_y;
     wire [3:0]          bin_cleared, bin_x, bin_y;
@@ -250,6 +250,11 @@ module cot_motion #(
 
     // ---- events --------------------------------------------------------------------------------------------------------
 
+    // A candidate begins in a free slot, else in one whose track may return.
+    wire [N-1:0] empty = seeded & ~(visible | candidate);
+    reg  [N-1:0] may_begin;
+    always @(posedge clk) may_begin <= |(empty & ~left) ? empty & ~left : empty;
+
     motion_events #(
         .N      (N),
         .SLOT_W (SLOT_W),
@@ -302,7 +307,7 @@ module cot_motion #(
         .regs       (regs),
         .visible    (visible),
         .candidate  (candidate),
-        .may_begin  (seeded & ~(visible | candidate)),
+        .may_begin  (may_begin),
         .begins     (begins),
         .begins_slot(begins_slot),
         .d_valid    (d_valid),
@@ -447,6 +452,7 @@ module cot_motion #(
         .put_slot       (puts_slot),
         .visible        (visible),
         .candidate      (candidate),
+        .left           (left),
         .begins         (begins),
         .begins_slot    (begins_slot),
         .op_valid       (op_valid),

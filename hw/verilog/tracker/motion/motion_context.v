@@ -29,6 +29,7 @@ module motion_context #(
     input  wire [5:0]          corrections,
     input  wire [7:0]          looked,
     input  wire [4:0]          meets,        // hidden sides, and whether it does
+    input  wire [7:0]          runs,
     input  wire [9:0]          n_ev,
     input  wire                has_partner,
     input  wire [SLOT_W-1:0]   partner,
@@ -45,6 +46,7 @@ module motion_context #(
     output wire [5:0]          q_corrections,
     output wire [7:0]          q_looked,
     output wire [4:0]          q_meets,
+    output wire [7:0]          q_runs,
     output wire [9:0]          q_n_ev,
     output wire                q_has_partner,
     output wire [SLOT_W-1:0]   q_partner,
@@ -58,7 +60,7 @@ module motion_context #(
     output wire [9:0]          p_n_ev
 );
 
-    localparam STATE_W = 4 * SIDE_W + SLOT_W + 112;
+    localparam STATE_W = 4 * SIDE_W + SLOT_W + 120;
     localparam ADDR_W  = SLOT_W > 7 ? SLOT_W : 7;  // more than 64 words, for block RAM on every device
     localparam DEPTH   = 1 << ADDR_W;
 
@@ -72,11 +74,13 @@ module motion_context #(
         .clk          (clk),
         .write        (keep),
         .write_address(of_at),
-        .write_data   ({v, refs, corrections, looked, meets, n_ev, has_partner, partner, together, usual, log2}),
+        .write_data   ({v, refs, corrections, looked, meets, runs, n_ev, has_partner, partner, together, usual, log2}),
         .read_enable  (1'b1),
         .read_address (of_at),
         .out_enable   (1'b1),
-        .read_data    ({q_v, q_refs, q_corrections, q_looked, q_meets, q_n_ev, q_has_partner, q_partner, q_together, q_usual, q_log2})
+        .read_data    ({
+            q_v, q_refs, q_corrections, q_looked, q_meets, q_runs, q_n_ev, q_has_partner, q_partner, q_together, q_usual, q_log2
+        })
     );
 
     block_memory #(

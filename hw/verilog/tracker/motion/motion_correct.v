@@ -4,7 +4,7 @@
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low; how many clocks lie between two of them
 // is written there.
 //
-// Latency:    from start to done 28 to 49 clocks for a correction, 56 to 223 with a look for gaps; 35 or 36 for a candidate that begins.
+// Latency:    from start to done 28 to 49 clocks for a correction, 56 to 225 with a look for gaps; 35 or 36 for a candidate that begins.
 // Throughput: one at a time.
 // Stall:      waits for its operations, which are taken in the second clock at the latest, for the leading bit of the time and for its
 //             record to be accepted.
@@ -248,7 +248,7 @@ module motion_correct #(
                 state    <= TURN;
             end
             TURN: begin
-                pause <= turns ? 3'd3 : 3'd1;
+                pause <= turns ? 3'd5 : 3'd1;
                 state <= COUNT;
             end
             COUNT: begin

@@ -2,7 +2,7 @@
 // What a division by a number is done with: docs/motion.md, "Correction", point 3. The position of its leading bit, and the inverse by
 // the three bits below it.
 //
-// Latency:    2 to 19 clocks from start to busy falling.
+// Latency:    2 to 16 clocks from start to busy falling, and 3 more to the results.
 // Throughput: one at a time.
 // Stall:      the results stay until the next start.
 // Reset:      not busy.
@@ -33,11 +33,11 @@ module motion_inverse (
             3'd6: inverse <= 7'd71;
             3'd7: inverse <= 7'd66;
         endcase
-        if (left[23]) busy <= 1'b0;
-        else if (left[23:16] == 8'd0) begin
+        if (left[23:20] != 4'd0) busy <= 1'b0;
+        if (left[23:16] == 8'd0) begin
             left    <= {left[15:0], 8'd0};
             leading <= leading - 5'd8;
-        end else begin
+        end else if (!left[23]) begin
             left    <= {left[22:0], 1'b0};
             leading <= leading - 5'd1;
         end

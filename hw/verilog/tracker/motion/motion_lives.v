@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which slots have a visible track, a candidate, and four corrections behind them; the last of a free slot is of the life before.
+// Which slots have a visible track, a candidate, a track that was lost and may return, and four corrections behind them; the last of a
+// free slot is of the life before.
 //
 // Latency:    1 clock.
 // Throughput: a change of one slot, and a candidate that is put in force, per clock.
@@ -22,16 +23,19 @@ module motion_lives #(
     input  wire              seed,         // a candidate is being placed
     input  wire              settle,       // the fourth correction is done
     input  wire              appear,       // the candidate becomes visible
-    input  wire              lapse,        // the life ends
+    input  wire              lapse,        // the life ends,
+    input  wire              leave,        // with it: it may return
 
     output reg  [N-1:0]      visible,
     output reg  [N-1:0]      candidate,
+    output reg  [N-1:0]      left,
     output reg  [N-1:0]      settled
 );
 
     always @(posedge clk) begin
         if (begins) candidate[begins_slot] <= 1'b1;
         if (seed) settled[at] <= 1'b0;
+        if (seed || lapse) left[at] <= lapse && leave;
         if (settle) settled[at] <= 1'b1;
         if (appear) visible[at] <= 1'b1;
         if (lapse) visible[at] <= 1'b0;
@@ -39,6 +43,7 @@ module motion_lives #(
         if (rst) begin
             visible   <= {N{1'b0}};
             candidate <= {N{1'b0}};
+            left      <= {N{1'b0}};
             settled   <= {N{1'b0}};
         end
     end

@@ -21,6 +21,7 @@ module motion_meeting #(
     input  wire [SLOT_W-1:0] slot,
     input  wire [N-1:0]      visible,
     input  wire [N-1:0]      candidate,
+    input  wire [N-1:0]      left,       // lost, but it may return
     input  wire [4*PX_W-1:0] box,        // of the slot: lo and hi on x, lo and hi on y
     input  wire [4*PX_W-1:0] window,
 
@@ -35,7 +36,9 @@ module motion_meeting #(
     output reg  [3:0]        hidden,     // sides that visible ones hide: hi and lo of y, hi and lo of x
     output reg               held,       // the middle of the box lies in a visible one's window
     output reg               touches,    // the box touches a candidate's
-    output reg  [SLOT_W-1:0] touched     // this one's, the lowest
+    output reg  [SLOT_W-1:0] touched,    // this one's, the lowest
+    output reg               returns,    // the window touches one that has left
+    output reg  [SLOT_W-1:0] returned    // this one's, the lowest
 );
 
     reg  [10:0]       step;     // one of them is high
@@ -43,7 +46,7 @@ module motion_meeting #(
     reg               asks;
     reg  [N-1:0]      others, behind;
     reg               sees;     // a visible one's window
-    reg  [N-1:0]      boxes;
+    reg  [N-1:0]      boxes;    // those of candidates; at first the windows of what has left
     wire              any_box;
 
     localparam [1:0] LOW    = 2'd0;
@@ -95,8 +98,12 @@ module motion_meeting #(
             bound(ask_hi_y, lo_y, hi_y, sum_y[PX_W:1], window[0+:PX_W])
         };
         sees  <= |(in_window & visible & others);
-        boxes <= in_box & candidate & others & behind;
-        if (step[4]) meets <= sees;
+        boxes <= step[3] ? in_window & left : in_box & candidate & others & behind;
+        if (step[4]) begin
+            meets    <= sees;
+            returns  <= any_box;
+            returned <= lowest;
+        end
         if (step[5]) hidden[0] <= sees;
         if (step[6]) hidden[1] <= sees;
         if (step[7]) hidden[2] <= sees;

@@ -34,6 +34,7 @@ module motion_order #(
     input  wire [SLOT_W-1:0]       begins_slot,
     output wire [N-1:0]            visible,
     output wire [N-1:0]            candidate,
+    output wire [N-1:0]            left,       // lost, but it may return
     output reg  [SLOT_W-1:0]       at,         // a clock late
     output wire [SLOT_W-1:0]       this_slot,  // whose step it is
 
@@ -84,6 +85,9 @@ module motion_order #(
     input  wire                    held,
     input  wire                    touches,
     input  wire                    appears,
+    input  wire                    returns,
+    input  wire [SLOT_W-1:0]       returned,
+    input  wire                    may_return,
     input  wire [SLOT_W-1:0]       touched,
     input  wire [5:0]              corrections,
 
@@ -106,6 +110,7 @@ module motion_order #(
     output wire                    invert,
     output wire                    speed,
     output wire                    correct,
+    output wire                    leaves,
     output wire                    count,
     output wire                    begin_bins,
     output wire                    place,
@@ -125,6 +130,7 @@ module motion_order #(
     output wire                    keep_now,
     output wire                    keep_until,
     output wire                    keep_id,
+    output wire                    resume,
     output wire                    keep_start,
     output wire                    look,
     output wire                    look_y,
@@ -138,6 +144,7 @@ module motion_order #(
     wire              s_rests, s_valid, s_all, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
     wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
     wire              m_rests, m_done, m_valid, m_read, m_store, m_put, m_clear, m_load, m_unite, m_settle, m_reflect, m_cover, m_bins;
+    wire              s_resume, s_leave, s_leaves, s_keep_until;
     wire              m_window, m_take, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
     wire [SLOT_W-1:0] k_at, s_at, m_at, stays, goes;
     wire [3:0]        k_bin, m_bin;
@@ -177,6 +184,7 @@ module motion_order #(
     assign invert       = k_inverse;
     assign speed        = k_speed;
     assign correct      = k_times;
+    assign leaves       = s_leaves;
     assign count        = k_count;
     assign begin_bins   = k_bins || m_bins;
     assign place        = k_window || s_window || m_window;
@@ -194,8 +202,9 @@ module motion_order #(
     assign keep         = k_keep || s_keep || m_keep;
     assign keep_window  = k_keep_window || s_keep_window || m_keep_window;
     assign keep_now     = k_keep_now || s_keep_now || m_keep_now;
-    assign keep_until   = k_keep_until || m_keep_until;
+    assign keep_until   = k_keep_until || s_keep_until || m_keep_until;
     assign keep_id      = s_appear;
+    assign resume       = s_resume;
     assign keep_start   = k_keep_start;
 
     always @(posedge clk) begin
@@ -290,6 +299,7 @@ module motion_order #(
         .merged     (m_done),
         .visible    (visible),
         .candidate  (candidate),
+        .left       (left),
         .settled    (settled),
         .corrections(corrections),
         .rubs       (rubs),
@@ -309,6 +319,9 @@ module motion_order #(
         .touches    (touches),
         .touched    (touched),
         .appears    (appears),
+        .returns    (returns),
+        .returned   (returned),
+        .may_return (may_return),
         .record_free(record_free),
         .load       (s_load),
         .c_reflect  (s_reflect),
@@ -326,12 +339,16 @@ module motion_order #(
         .c_touch    (s_touch),
         .c_meet     (s_meet),
         .appear     (s_appear),
+        .resume     (s_resume),
         .lapse      (s_lapse),
+        .leave      (s_leave),
+        .c_leave    (s_leaves),
         .say        (s_say),
         .kind       (s_kind),
         .since      (s_since),
         .keep       (s_keep),
         .keep_now   (s_keep_now),
+        .keep_until (s_keep_until),
         .keep_window(s_keep_window)
     );
 
@@ -396,8 +413,10 @@ module motion_order #(
         .settle     (k_keep_start),
         .appear     (s_appear),
         .lapse      (s_lapse || m_lapse),
+        .leave      (s_leave),
         .visible    (visible),
         .candidate  (candidate),
+        .left       (left),
         .settled    (settled)
     );
 

@@ -53,12 +53,16 @@ module motion_regs (
         if (writes[`EVCOT_MREG_GAIN_LOG2]) regs[`MOTION_GAIN_LOG2] <= data[3:0];
         // 0 to 6: 2^gain_slow corrections until a gain is halved
         if (writes[`EVCOT_MREG_GAIN_SLOW]) regs[`MOTION_GAIN_SLOW] <= data[2:0];
+        // 0 to 12: it is doubled while corrections agree in direction, up to 2^-gain_fast; 0: it is not
+        if (writes[`EVCOT_MREG_GAIN_FAST]) regs[`MOTION_GAIN_FAST] <= data[3:0];
         // 0 to 63: corrections during which a velocity follows the slower of two sides
         if (writes[`EVCOT_MREG_SETTLE]) regs[`MOTION_SETTLE] <= data[5:0];
         // 0 to 32767: limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events
         if (writes[`EVCOT_MREG_SPEED_MAX]) regs[`MOTION_SPEED_MAX] <= data[14:0];
         // 0 to 15: a silent slot loses 2^-friction of its velocity a step; 0: nothing
         if (writes[`EVCOT_MREG_FRICTION]) regs[`MOTION_FRICTION] <= data[3:0];
+        // 0 to 3: a silent slot moves by 2^-coast_slow of its velocity
+        if (writes[`EVCOT_MREG_COAST_SLOW]) regs[`MOTION_COAST_SLOW] <= data[1:0];
         // 1 to 1023: fewest events of a correction
         if (writes[`EVCOT_MREG_NEV_LOW]) regs[`MOTION_NEV_LOW] <= data[9:0];
         // 1 to 1023: most events of a correction
@@ -85,6 +89,8 @@ module motion_regs (
         if (writes[`EVCOT_MREG_LIFE_TICKS]) regs[`MOTION_LIFE_TICKS] <= data[23:0];
         // 1 to 16777215: nor after this time
         if (writes[`EVCOT_MREG_COAST_TICKS]) regs[`MOTION_COAST_TICKS] <= data[23:0];
+        // 0 to 16777215: ticks after its end in which a track goes on in what becomes visible there; 0: never
+        if (writes[`EVCOT_MREG_RETURN_TICKS]) regs[`MOTION_RETURN_TICKS] <= data[23:0];
         // 1 to 65535: events that a candidate needs to become visible
         if (writes[`EVCOT_MREG_BIRTH_SUPPORT]) regs[`MOTION_BIRTH_SUPPORT] <= data[15:0];
         // 0 to 255: sides that it needs
@@ -122,9 +128,11 @@ module motion_regs (
             regs[`MOTION_SIDE_MAX] <= 12'd160;
             regs[`MOTION_GAIN_LOG2] <= 4'd4;
             regs[`MOTION_GAIN_SLOW] <= 3'd2;
+            regs[`MOTION_GAIN_FAST] <= 4'd0;
             regs[`MOTION_SETTLE] <= 6'd8;
             regs[`MOTION_SPEED_MAX] <= 15'd32767;
             regs[`MOTION_FRICTION] <= 4'd7;
+            regs[`MOTION_COAST_SLOW] <= 2'd0;
             regs[`MOTION_NEV_LOW] <= 10'd8;
             regs[`MOTION_NEV_HIGH] <= 10'd256;
             regs[`MOTION_SEED_PX] <= 8'd4;
@@ -138,6 +146,7 @@ module motion_regs (
             regs[`MOTION_LIFE_LOG2] <= 4'd3;
             regs[`MOTION_LIFE_TICKS] <= 24'd20000;
             regs[`MOTION_COAST_TICKS] <= 24'd100000;
+            regs[`MOTION_RETURN_TICKS] <= 24'd0;
             regs[`MOTION_BIRTH_SUPPORT] <= 16'd200;
             regs[`MOTION_BIRTH_PX] <= 8'd4;
             regs[`MOTION_BIRTH_TICKS] <= 24'd10000;

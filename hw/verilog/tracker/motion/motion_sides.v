@@ -38,7 +38,7 @@ module motion_sides #(
     input  wire                reflect,
     input  wire                settle,    // ref is the side
     input  wire                turn,      // the velocity is v_next, of x, in the next clock of y
-    input  wire                rub,       // it dies away
+    input  wire                rub,       // it dies away; a move with it goes a part of the way
 
     // operands: x first
     input  wire [X_W-1:0]      x,
@@ -53,6 +53,7 @@ module motion_sides #(
     input  wire [3:0]          side_shrink,
     input  wire [11:0]         side_max,
     input  wire [3:0]          friction,
+    input  wire [1:0]          coast_slow,
 
     // the axis behind, x while `lane` is high
     output reg                 lane,
@@ -114,7 +115,8 @@ module motion_sides #(
 
     wire              square_b = seed_b || long_b;  // both sides are as far from one place
     wire [SIDE_W-1:0] half     = seed_b ? {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0} : {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0};
-    wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {v[15]}}, v};
+    wire signed [15:0] slow    = rub_b ? v >>> coast_slow : v;
+    wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
     wire [SIDE_W-1:0] at_x     = {{(SIDE_W - 12 - X_W) {1'b0}}, x, 12'd0};
     wire [SIDE_W-1:0] at_y     = {{(SIDE_W - 12 - Y_W) {1'b0}}, y, 12'd0};
     wire [1:0]        mark     = is_y ? marks[3:2] : marks[1:0];
@@ -165,7 +167,7 @@ module motion_sides #(
             {ref_lo_a, ref_hi_a} <= settle || settles ? {(2 * SIDE_W + 2) {1'b0}} : {ref_lo, ref_hi};
         end
         v      <= v_a;
-        v_part <= v_a >>> friction;
+        v_part <= friction == 4'd0 ? 16'sd0 : v_a >>> friction;
         v_a    <= seed_b ? 16'd0 : turn_b ? v_next : rub_b ? v - v_part : v;
 
         lane <= !lane;

@@ -2,7 +2,7 @@
 // The slot that is worked on, but for its sides and times: what is counted of it, its state towards others, and the memory of all slots.
 //
 // Latency:    1 clock from a command, of which the next N_ev and new bins follow the lengths of the clock before it; then 3 clocks to
-//             gain, 1 to look_due. From `at` to what memory has see motion_context.v.
+//             gain and room, 1 to look_due. From `at` to what memory has see motion_context.v.
 // Throughput: a command per clock.
 // Stall:      none, without a command everything stays.
 // Reset:      births begin with id 0; nothing else is used before it was loaded or written.
@@ -37,7 +37,8 @@ module motion_slot #(
     input  wire                meet,         // what it meets was found
     input  wire                keep,         // the state is written,
     input  wire                keep_window,  // box and window,
-    input  wire                keep_id,      // the next id,
+    input  wire                keep_id,      // the next id, or with `resume` that of the slot that `at` has left,
+    input  wire                resume,
     input  wire                keep_start,   // the place at the fourth correction
 
     // operands
@@ -53,17 +54,22 @@ module motion_slot #(
     input  wire [23:0]         usual,
     input  wire [4*PX_W-1:0]   box,
     input  wire [4*PX_W-1:0]   window,
+    input  wire                ran,          // run_next is that of x; in the next clock, of y
+    input  wire [3:0]          run_next,
     input  wire [2*SIDE_W+1:0] start,        // sums of both sides, x, y
     input  wire [9:0]          nev_low,
     input  wire [9:0]          nev_high,
     input  wire [3:0]          gain_log2,
     input  wire [2:0]          gain_slow,
+    input  wire [3:0]          gain_fast,
     input  wire [7:0]          gap_corrections,
 
     // the slot
     output reg  [SUP_W-1:0]    support,
     output reg  [5:0]          corrections,
     output reg  [3:0]          gain,
+    output reg  [3:0]          room,         // so much of it corrections that go one way may take off
+    output reg  [7:0]          runs,         // how many did, y and x
     output reg                 look_due,     // with the next correction bins are looked at
     output reg                 meets,
     output reg  [3:0]          hidden,       // sides: hi and lo of y, hi and lo of x
@@ -97,6 +103,8 @@ module motion_slot #(
     wire              q_has_partner;
     wire [SLOT_W-1:0] q_partner;
     wire [15:0]       q_together;
+    wire [7:0]        q_runs;
+    reg               ran_x;       // run_next is that of y
     wire [9:0]        q_n_ev, q_log2;
 
     reg  [5:0]     slow;        // corrections, slower
@@ -122,6 +130,7 @@ module motion_slot #(
         .corrections  (corrections),
         .looked       (looked),
         .meets        ({hidden, meets}),
+        .runs         (runs),
         .n_ev         (n_ev),
         .has_partner  (has_partner),
         .partner      (partner),
@@ -129,7 +138,7 @@ module motion_slot #(
         .usual        (usual),
         .box          (box),
         .window       (window),
-        .id           (births),
+        .id           (resume ? q_id : births),
         .start        (start),
         .log2         (log2),
         .q_v          (q_v),
@@ -137,6 +146,7 @@ module motion_slot #(
         .q_corrections(q_corrections),
         .q_looked     (q_looked),
         .q_meets      ({q_hidden, q_meets}),
+        .q_runs       (q_runs),
         .q_n_ev       (q_n_ev),
         .q_has_partner(q_has_partner),
         .q_partner    (q_partner),
@@ -164,6 +174,7 @@ module motion_slot #(
         slow     <= corrections >> gain_slow;
         least_gain <= slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
         gain     <= least_gain + {3'd0, meets};
+        room     <= meets || gain_fast == 4'd0 || least_gain < gain_fast ? 4'd0 : least_gain - gain_fast;
         look_due <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
         next_log2 <= {bin_log2(length_y), bin_log2(length_x)};
         outline  <= {1'b0, length_x} + {1'b0, length_y};
@@ -172,6 +183,7 @@ module motion_slot #(
             marks       <= r_marks;
             hidden      <= q_hidden;
             meets       <= q_meets;
+            runs        <= q_runs;
             n_ev        <= q_n_ev;
             corrections <= q_corrections;
             looked      <= q_looked;
@@ -188,6 +200,7 @@ module motion_slot #(
             marks       <= 4'd0;
             hidden      <= 4'd0;
             meets       <= 1'b0;
+            runs        <= 8'd0;
             n_ev        <= nev_low;
             corrections <= 6'd0;
         end
@@ -204,6 +217,9 @@ module motion_slot #(
             looked <= 8'd0;
             log2   <= next_log2;
         end
+        ran_x <= ran;
+        if (ran) runs[3:0] <= run_next;
+        if (ran_x) runs[7:4] <= run_next;
         if (pair) begin
             has_partner <= 1'b1;
             partner     <= at;
@@ -219,7 +235,7 @@ module motion_slot #(
             has_partner <= 1'b0;
             together    <= 16'd0;
         end
-        if (keep_id) births <= births + {{(ID_W - 1) {1'b0}}, 1'b1};
+        if (keep_id && !resume) births <= births + {{(ID_W - 1) {1'b0}}, 1'b1};
         if (rst) births <= {ID_W{1'b0}};
     end
 

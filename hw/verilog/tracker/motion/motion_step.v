@@ -43,9 +43,10 @@ module motion_step #(
     // what decides
     input  wire [N-1:0]      visible,
     input  wire [N-1:0]      candidate,
+    input  wire [N-1:0]      left,         // lost, but it may return
     input  wire [N-1:0]      settled,
     input  wire [5:0]        corrections,
-    input  wire              rubs,         // friction is not 0, and the slot meets no other
+    input  wire              rubs,         // the slot meets no other
     input  wire              silent,
     input  wire              ended,
     input  wire              older,
@@ -62,6 +63,9 @@ module motion_step #(
     input  wire              touches,
     input  wire [SLOT_W-1:0] touched,
     input  wire              appears,
+    input  wire              returns,      // as this one, which has left
+    input  wire [SLOT_W-1:0] returned,
+    input  wire              may_return,   // what is lost
     input  wire              record_free,
 
     // commands
@@ -81,12 +85,16 @@ module motion_step #(
     output reg               c_touch,
     output reg               c_meet,
     output reg               appear,
+    output reg               resume,       // with it: as what has left
     output reg               lapse,
+    output reg               leave,        // with it: it may return
+    output reg               c_leave,      // and has its time
     output reg               say,          // the record is taken
     output reg  [1:0]        kind,
     output reg  [1:0]        since,        // see motion_times.v
     output reg               keep,
     output reg               keep_now,
+    output reg               keep_until,
     output reg               keep_window
 );
 
@@ -128,6 +136,7 @@ module motion_step #(
     localparam [4:0] LAPSE   = 5'd28;  // the slot becomes free
     localparam [4:0] DONE    = 5'd29;  // writes the slot back
     localparam [4:0] WRITTEN = 5'd30;
+    localparam [4:0] RETURN  = 5'd31;  // it becomes visible as a track that was lost, whose slot becomes free
 
     reg [4:0] state;
     reg [2:0]        pause;          // clocks until the state is gone on with
@@ -139,6 +148,7 @@ module motion_step #(
     reg [2:0]        places;         // box and window are asked for, when what follows from the lengths is there
     reg              reads;          // the slot whose step it is, is being read
     wire [N-1:0]     lives      = visible | candidate;
+    wire [N-1:0]     taken      = lives | left;
     reg  [N-1:0]     others;         // that it may be compared with
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
     wire             is_visible = visible[at];
@@ -150,7 +160,7 @@ module motion_step #(
     always @(posedge clk) begin
         {c_reflect, c_move, c_rub, c_shorten, c_compare, c_pair, c_part, c_take, c_divide} <= 9'd0;
         {c_window, places} <= {places, 1'b0};
-        {c_ask, c_meet, merge, appear, lapse, say, keep, keep_now, keep_window} <= 9'd0;
+        {c_ask, c_meet, merge, appear, resume, lapse, leave, c_leave, say, keep, keep_now, keep_until, keep_window} <= 13'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
         shortened <= c_shorten;
@@ -163,14 +173,14 @@ module motion_step #(
                 alone <= end_life;
                 slot  <= {(SLOT_W + 1) {1'b0}};
                 at    <= end_slot;
-                if (start && |lives) begin
+                if (start && |taken) begin
                     rests <= 1'b0;
                     state <= NEXT;
                 end
                 if (end_life) begin
                     slot  <= {1'b0, end_slot};
-                    rests <= !lives[end_slot];
-                    state <= lives[end_slot] ? FETCH : REST;
+                    rests <= !taken[end_slot];
+                    state <= taken[end_slot] ? FETCH : REST;
                 end
             end
             NEXT: begin
@@ -179,7 +189,7 @@ module motion_step #(
                     rests <= 1'b1;
                     state <= REST;
                 end
-                else if (lives[this_slot]) state <= FETCH;
+                else if (taken[this_slot]) state <= FETCH;
                 else slot <= slot + {{SLOT_W{1'b0}}, 1'b1};
             end
             FETCH: begin
@@ -205,9 +215,20 @@ module motion_step #(
                 kind      <= `EVCOT_KIND_LOST;
                 pause     <= !over && !alone ? 3'd1 : 3'd4;
                 state     <= !over && !alone ? MOVE : is_visible ? SAY : LAPSE;
+                c_leave   <= 1'b1;  // of use if it leaves
+                if (!over && !alone && left[at]) begin
+                    slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
+                    pause <= 3'd0;
+                    state <= NEXT;
+                end
             end
             LAPSE: begin
                 lapse <= 1'b1;
+                if (is_visible && !alone && may_return) begin
+                    leave      <= 1'b1;
+                    since      <= UNTIL;
+                    keep_until <= 1'b1;
+                end
                 slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
                 pause <= 3'd1;
                 rests <= alone;
@@ -359,9 +380,25 @@ module motion_step #(
             end
             BORN: begin
                 kind   <= `EVCOT_KIND_BORN;
-                appear <= appears;
+                appear <= appears && !returns;
                 pause  <= appears ? 3'd4 : 3'd0;
                 state  <= appears ? SAY : DONE;
+                if (appears && returns) begin
+                    at    <= returned;
+                    pause <= 3'd3;
+                    state <= RETURN;
+                end
+            end
+            RETURN: begin
+                kind  <= `EVCOT_KIND_MOVED;
+                lapse <= at != this_slot;
+                at    <= this_slot;
+                if (at == this_slot) begin
+                    appear <= 1'b1;
+                    resume <= 1'b1;
+                    pause  <= 3'd4;
+                    state  <= SAY;
+                end
             end
             SAY:
             if (record_free) begin

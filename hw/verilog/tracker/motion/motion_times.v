@@ -26,12 +26,13 @@ module motion_times #(
     output reg  [TIME_W-1:0] age,        // of that time
     output wire              ended,      // it is not in the future
     output reg  [23:0]       ticks,      // age, from 1 to 2^24 - 1
-    output reg               silent,     // for more than four times the usual time
+    output reg               silent,     // for more than twice the usual time
 
     // the usual time between corrections, and the deadline that follows
     input  wire              load,       // takes loaded
     input  wire [23:0]       loaded,
     input  wire              seed,       // takes detect_ticks for both
+    input  wire              leave,      // the deadline is in return_ticks
     input  wire              correct,    // takes ticks, or a quarter of what they are more
     input  wire              first,
     output reg  [23:0]       usual,
@@ -39,6 +40,7 @@ module motion_times #(
     input  wire [3:0]        life_log2,
     input  wire [23:0]       life_ticks,
     input  wire [23:0]       coast_ticks,
+    input  wire [23:0]       return_ticks,
     input  wire              hold,       // the deadline is the time that was read
 
     // an age that stays, and is counted in steps
@@ -86,7 +88,7 @@ module motion_times #(
     always @(posedge clk) begin
         age    <= now - then;
         ticks  <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
-        silent <= |age[TIME_W-1:26] || age[25:0] > {usual, 2'b00};
+        silent <= |age[TIME_W-1:25] || age[24:0] > {usual, 1'b0};
 
         slower_by <= {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
@@ -110,8 +112,9 @@ module motion_times #(
         shorter   <= !over && grant < life_ticks;
         longer    <= over || grant > coast_ticks;
         chooses <= limits;
-        if (seed || chooses) granted <= seed ? detect_ticks : shorter ? life_ticks : longer ? coast_ticks : grant;
-        adds <= chooses || seed;
+        if (seed || leave || chooses)
+            granted <= seed ? detect_ticks : leave ? return_ticks : shorter ? life_ticks : longer ? coast_ticks : grant;
+        adds <= chooses || seed || leave;
         if (adds) deadline <= now + {{(TIME_W - 24) {1'b0}}, granted};
         if (hold) deadline <= then;
 

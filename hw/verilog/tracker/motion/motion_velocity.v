@@ -2,11 +2,13 @@
 // The correction of the velocities on x and y, one after the other: docs/motion.md, "Correction", point 3.
 //
 // d·2^-g over the time since the last correction, by the leading bit of that time and the three bits below it, which motion_inverse.v finds.
-// The shift is to the left by up to 7 with the factor of the product, then to the right in whole bytes.
+// The gain rises with the corrections of the axis that went one way, this one among them. The shift is to the left by up to 7 with the
+// factor of the product, then to the right in whole bytes.
 //
-// Latency:    12 clocks from an axis' offsets to its v_next.
+// Latency:    3 clocks from an axis' offsets to its run_next, 14 to its v_next.
 // Throughput: an axis per clock.
-// Stall:      none. Inputs that have no axis must stay from start to turn.
+// Stall:      none. Inputs that have no axis must stay from start to turn; `leading` and `inverse` need not be there before the second
+//             clock after start.
 // Reset:      nothing is under way.
 // Combinational paths: none.
 `default_nettype none
@@ -23,11 +25,16 @@ module motion_velocity #(
     input  wire                    slower,     // take what both sides have in common
     input  wire [4:0]              leading,    // position of the leading bit of the time
     input  wire [6:0]              inverse,    // of that bit and the three below it
-    input  wire [3:0]              gain,       // g, 1 to 13
+    input  wire [3:0]              gain,       // g, 1 to 13, of which
+    input  wire [3:0]              room,       // so much may be taken off by corrections that go one way
+    input  wire signed [3:0]       run_x,      // how many went up, or down if negative; two clocks after start
+    input  wire signed [3:0]       run_y,      // three clocks after it
     input  wire [4:0]              step_log2,
     input  wire [14:0]             speed_max,
-    input  wire signed [15:0]      v,          // of the axis, ten clocks later
+    input  wire signed [15:0]      v,          // of the axis, 12 clocks later
 
+    output wire                    ran,        // run_next is that of x; in the next clock, of y
+    output reg signed [3:0]        run_next,
     output wire                    turn,       // v_next is that of x; in the next clock, of y
     output reg signed [15:0]       v_next
 );
@@ -40,38 +47,43 @@ module motion_velocity #(
     localparam C_W = 17;
 
     // (d · inverse) >> k is (d · inverse << 7 - down % 8 << 8) >> 8·(down / 8), k = down - 15.
-    reg  [5:0]  down;            // 4 to 59
+    reg  [5:0]  most_down, down; // 4 to 59
     reg  [13:0] factor;
+    reg  [2:0]  bytes_5, bytes_6, bytes_7, bytes_8, bytes_9, bytes_10;
 
-    reg [11:0]               begun;
+    reg [13:0]               begun;
     reg signed [OFF_W-1:0]   low_1, high_1;
-    reg signed [D_W-1:0]     both_1, way_2, way_3;  // a multiplier is far from other cells: registers on both sides of its wires
+    // A multiplier is far from other cells: registers on both sides of its wires.
+    reg signed [D_W-1:0]     both_1, way_2, way_3, way_4, way_5;
     reg                      low_rises, high_rises, low_less;
-    reg [LOW+13:0]           product_low, low_5;
-    reg signed [P_W-LOW-1:0] product_high, high_5;
+    reg [LOW+13:0]           product_low, low_7;
+    reg signed [P_W-LOW-1:0] product_high, high_7;
     reg signed [P_W-1:0]     product;
-    reg signed [A_W-1:0]     part_5;
-    reg signed [B_W-1:0]     part_6;
-    reg signed [C_W-1:0]     part_7, change;
-    reg                      over_5, over_6, over_7, sign_5, sign_6, sign_7;
+    reg signed [A_W-1:0]     part_9;
+    reg signed [B_W-1:0]     part_10;
+    reg signed [C_W-1:0]     part_11, change;
+    reg                      over_9, over_10, over_11, sign_9, sign_10, sign_11;
     reg signed [17:0]        sum;
 
     wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
     wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
-    wire signed [D_W-LOW-1:0] way_high = way_3[D_W-1:LOW];
-    wire signed [P_W+7:0] wide_4   = {product, 8'd0};
-    wire                  sign_4   = product[P_W-1];
+    wire signed [D_W-LOW-1:0] way_high = way_5[D_W-1:LOW];
+    wire signed [P_W+7:0] wide_8   = {product, 8'd0};
+    wire                  sign_8   = product[P_W-1];
+    wire signed [3:0]     run      = begun[1] ? run_x : run_y;
+    wire [3:0]            size     = run_next[3] ? -run_next : run_next;
+    wire [3:0]            raised   = size < 4'd2 ? 4'd0 : size - 4'd2;
     wire signed [17:0]    most     = {3'd0, speed_max};
     reg  signed [17:0]    least;
     wire signed [17:0]    bound    = sum > most ? most : sum < least ? least : sum;
 
-    assign turn = begun[11];
+    assign ran  = begun[2];
+    assign turn = begun[13];
 
     always @(posedge clk) begin
-        down   <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
-        factor <= {7'd0, inverse} << ~down[2:0];
+        most_down <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
 
-        begun      <= {begun[10:0], start};
+        begun      <= {begun[12:0], start};
         low_1      <= low;
         high_1     <= high;
         both_1     <= {low[OFF_W-1], low} + {high[OFF_W-1], high};
@@ -82,34 +94,49 @@ module motion_velocity #(
         way_2 <= !slower ? both_1 : low_rises != high_rises ? {D_W{1'b0}} : shorter;
 
         way_3 <= way_2;
+        if (way_2[D_W-1]) run_next <= run == -4'sd7 ? run : run[3] ? run - 4'sd1 : -4'sd1;
+        else if (|way_2) run_next <= run == 4'sd7 ? run : run[3] ? 4'sd1 : run + 4'sd1;
+        else run_next <= 4'sd0;
 
-        product_low  <= way_3[LOW-1:0] * factor;
+        way_4 <= way_3;
+        down  <= most_down - {2'd0, raised < room ? raised : room};
+
+        way_5   <= way_4;
+        factor  <= {7'd0, inverse} << ~down[2:0];
+        bytes_5 <= down[5:3];
+
+        product_low  <= way_5[LOW-1:0] * factor;
         product_high <= way_high * $signed({{(P_W - LOW - 14) {1'b0}}, factor});
+        bytes_6      <= bytes_5;
 
-        low_5  <= product_low;
-        high_5 <= product_high;
+        low_7   <= product_low;
+        high_7  <= product_high;
+        bytes_7 <= bytes_6;
 
-        product <= {high_5, {LOW{1'b0}}} + {{(P_W - LOW - 14) {1'b0}}, low_5};
+        product <= {high_7, {LOW{1'b0}}} + {{(P_W - LOW - 14) {1'b0}}, low_7};
+        bytes_8 <= bytes_7;
 
         // Beyond 16 bits only the sign of a change counts: no velocity has more.
-        part_5 <= down[5] ? {{(A_W + 24 - P_W) {sign_4}}, wide_4[P_W+7:32]} : wide_4[A_W-1:0];
-        over_5 <= !down[5] && wide_4[P_W+7:A_W] != {(P_W + 8 - A_W) {sign_4}};
-        sign_5 <= sign_4;
-        part_6 <= down[4] ? part_5[A_W-1:16] : part_5[B_W-1:0];
-        over_6 <= over_5 || (!down[4] && part_5[A_W-1:B_W] != {(A_W - B_W) {sign_5}});
-        sign_6 <= sign_5;
-        part_7 <= down[3] ? part_6[B_W-1:8] : part_6[C_W-1:0];
-        over_7 <= over_6 || (!down[3] && part_6[B_W-1:C_W] != {(B_W - C_W) {sign_6}});
-        sign_7 <= sign_6;
+        part_9   <= bytes_8[2] ? {{(A_W + 24 - P_W) {sign_8}}, wide_8[P_W+7:32]} : wide_8[A_W-1:0];
+        over_9   <= !bytes_8[2] && wide_8[P_W+7:A_W] != {(P_W + 8 - A_W) {sign_8}};
+        sign_9   <= sign_8;
+        bytes_9  <= bytes_8;
+        part_10  <= bytes_9[1] ? part_9[A_W-1:16] : part_9[B_W-1:0];
+        over_10  <= over_9 || (!bytes_9[1] && part_9[A_W-1:B_W] != {(A_W - B_W) {sign_9}});
+        sign_10  <= sign_9;
+        bytes_10 <= bytes_9;
+        part_11  <= bytes_10[0] ? part_10[B_W-1:8] : part_10[C_W-1:0];
+        over_11  <= over_10 || (!bytes_10[0] && part_10[B_W-1:C_W] != {(B_W - C_W) {sign_10}});
+        sign_11  <= sign_10;
 
-        change <= over_7 || part_7[16] != sign_7 ? (sign_7 ? 17'sh10000 : 17'sh0ffff) : part_7;
+        change <= over_11 || part_11[16] != sign_11 ? (sign_11 ? 17'sh10000 : 17'sh0ffff) : part_11;
         sum    <= {{2{v[15]}}, v} + {change[16], change};
         least  <= -most;
         v_next <= bound[15:0];
-        if (rst) begun <= 12'd0;
+        if (rst) begun <= 14'd0;
     end
 
-    wire unused = &{1'b0, bound[17:16], less[D_W-2:0]};
+    wire unused = &{1'b0, bound[17:16], less[D_W-2:0], size[3], bytes_9[2], bytes_10[2:1]};
 
 endmodule
 

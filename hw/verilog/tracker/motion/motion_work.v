@@ -51,6 +51,7 @@ module motion_work #(
     // slots
     output wire [N-1:0]        visible,
     output wire [N-1:0]        candidate,
+    output wire [N-1:0]        left,          // lost, but it may return
     input  wire                begins,        // a candidate is in force
     input  wire [SLOT_W-1:0]   begins_slot,
 
@@ -118,13 +119,13 @@ module motion_work #(
     wire              begun, lane, q_meets, look_due, looks, inverse_busy, window_done, silent, ended, older, dividing, enough, overdue;
     wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
-    wire [SLOT_W-1:0] touched, this_slot;
+    wire [SLOT_W-1:0] touched, returned, this_slot;
     wire [14:0]       speed_x, speed_y;
     wire [1:0]        since;
     wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
     wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
-    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
+    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start, c_resume, c_leaves, returns, ran;
 
     reg begun_1, begun_2;  // what comes with the job is there
 
@@ -161,6 +162,7 @@ module motion_work #(
         .begins_slot (begins_slot),
         .visible     (visible),
         .candidate   (candidate),
+        .left        (left),
         .at          (at),
         .this_slot   (this_slot),
         .op_valid    (op_valid),
@@ -190,7 +192,7 @@ module motion_work #(
         .low_stays   (low_stays),
         .inverse_busy(inverse_busy),
         .window_done (window_done),
-        .rubs        (regs[`MOTION_FRICTION] != 4'd0 && !meets),
+        .rubs        (!meets),
         .silent      (silent),
         .ended       (ended),
         .older       (older),
@@ -205,6 +207,9 @@ module motion_work #(
         .held        (held),
         .touches     (touches),
         .appears     (appears),
+        .returns     (returns),
+        .returned    (returned),
+        .may_return  (regs[`MOTION_RETURN_TICKS] != 24'd0),
         .touched     (touched),
         .corrections (corrections),
         .load        (c_load),
@@ -225,6 +230,7 @@ module motion_work #(
         .invert      (c_invert),
         .speed       (c_speed),
         .correct     (c_correct),
+        .leaves      (c_leaves),
         .count       (c_count),
         .begin_bins  (c_begin_bins),
         .place       (c_place),
@@ -244,6 +250,7 @@ module motion_work #(
         .keep_now    (c_keep_now),
         .keep_until  (c_keep_until),
         .keep_id     (c_keep_id),
+        .resume      (c_resume),
         .keep_start  (c_keep_start),
         .look        (look),
         .look_y      (look_y),
@@ -277,7 +284,8 @@ module motion_work #(
     wire [TIME_W-1:0]   age;
     wire [SIDE_W:0]     sum_lane, ref_lo, ref_hi;
     wire [15:0]         v_lane, v_next, together;
-    wire [3:0]          gain, hidden_now;
+    wire [3:0]          gain, room, run_next, hidden_now;
+    wire [7:0]          runs;
     wire                meets_now;
     wire [4*PX_W-1:0]   box, window;
     wire [PX_W-1:0]     cut_px;
@@ -322,6 +330,7 @@ module motion_work #(
         .side_shrink(regs[`MOTION_SIDE_SHRINK]),
         .side_max   (regs[`MOTION_SIDE_MAX]),
         .friction   (regs[`MOTION_FRICTION]),
+        .coast_slow (regs[`MOTION_COAST_SLOW]),
         .lane       (lane),
         .ref_lo     (ref_lo),
         .ref_hi     (ref_hi),
@@ -366,6 +375,7 @@ module motion_work #(
         .keep           (c_keep),
         .keep_window    (c_keep_window),
         .keep_id        (c_keep_id),
+        .resume         (c_resume),
         .keep_start     (c_keep_start),
         .job_support    (job_support),
         .r_support      (read_support),
@@ -379,15 +389,20 @@ module motion_work #(
         .usual          (usual),
         .box            (box),
         .window         (window),
+        .ran            (ran),
+        .run_next       (run_next),
         .start          ({sum_x, sum_y}),
         .nev_low        (regs[`MOTION_NEV_LOW]),
         .nev_high       (regs[`MOTION_NEV_HIGH]),
         .gain_log2      (regs[`MOTION_GAIN_LOG2]),
         .gain_slow      (regs[`MOTION_GAIN_SLOW]),
+        .gain_fast      (regs[`MOTION_GAIN_FAST]),
         .gap_corrections(regs[`MOTION_GAP_CORRECTIONS]),
         .support        (o_support),
         .corrections    (corrections),
         .gain           (gain),
+        .room           (room),
+        .runs           (runs),
         .look_due       (look_due),
         .meets          (meets),
         .hidden         (o_hidden),
@@ -424,6 +439,7 @@ module motion_work #(
         .load        (c_load || c_unite),
         .loaded      (q_usual),
         .seed        (c_seed),
+        .leave       (c_leaves),
         .correct     (c_correct),
         .first       (corrections == 6'd0),
         .usual       (usual),
@@ -431,6 +447,7 @@ module motion_work #(
         .life_log2   (regs[`MOTION_LIFE_LOG2]),
         .life_ticks  (regs[`MOTION_LIFE_TICKS]),
         .coast_ticks (regs[`MOTION_COAST_TICKS]),
+        .return_ticks(regs[`MOTION_RETURN_TICKS]),
         .hold        (c_hold),
         .take        (c_take),
         .divide      (c_divide),
@@ -493,9 +510,14 @@ module motion_work #(
         .leading  (leading),
         .inverse  (inverse),
         .gain     (gain),
+        .room     (room),
+        .run_x    (runs[3:0]),
+        .run_y    (runs[7:4]),
         .step_log2(regs[`MOTION_STEP_LOG2]),
         .speed_max(regs[`MOTION_SPEED_MAX]),
         .v        (v_lane),
+        .ran      (ran),
+        .run_next (run_next),
         .turn     (turn),
         .v_next   (v_next)
     );
@@ -565,6 +587,7 @@ module motion_work #(
         .slot     (this_slot),
         .visible  (visible),
         .candidate(candidate),
+        .left     (left),
         .box      (box),
         .window   (window),
         .ask      (ask),
@@ -576,7 +599,9 @@ module motion_work #(
         .hidden   (hidden_now),
         .held     (held),
         .touches  (touches),
-        .touched  (touched)
+        .touched  (touched),
+        .returns  (returns),
+        .returned (returned)
     );
 
     motion_birth #(

@@ -8,7 +8,7 @@ from numba import njit
 from ..._numba_private import step
 from ...tracks.log import DROPPED
 from ._gaps import count_in_bins
-from ._lives import BORN, LOST, MOVED, appears, correct, record, seed
+from ._lives import LOST, MOVED, appears, correct, name, record, seed
 from ._meetings import absorbed, hide_sides, join
 from ._owner import find
 from ._sides import measure
@@ -23,6 +23,7 @@ from ._state import (
     HI_Y,
     IN_FORCE,
     IN_FORCE_AFTER,
+    LEFT,
     LO_X,
     LO_Y,
     MOVES_FROM,
@@ -35,6 +36,7 @@ from ._state import (
     REL_MASK,
     REPORT_STEPS,
     REPORTED,
+    RETURN_TICKS,
     SEEDING,
     SEQ,
     STATE,
@@ -114,8 +116,14 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
     if now >= s[DEADLINE, i]:
         if s[STATE, i] == VISIBLE:
             n = record(s, i, LOST, glob[SEQ], now, 0, out, n)
+            if r[RETURN_TICKS]:
+                s[STATE, i] = LEFT
+                s[DEADLINE, i] = now + r[RETURN_TICKS]
+                return n
         s[STATE, i] = FREE
         s[DEADLINE, i] = NEVER
+        return n
+    if s[STATE, i] == LEFT:
         return n
     if s[STATE, i] == VISIBLE or s[CORRECTIONS, i] >= MOVES_FROM:
         advance(s, r, lim, i, now)
@@ -123,8 +131,8 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
     bounded(s, r, LO_Y, HI_Y, i)
     set_window(s, r, i)
     n = join(s, r, lim, glob, i, now, out, n)
-    if s[STATE, i] == CANDIDATE and not absorbed(s, r, lim, i) and appears(s, r, lim, glob, i, now):
-        return record(s, i, BORN, glob[SEQ], now, 0, out, n)
+    if s[STATE, i] == CANDIDATE and not absorbed(s, r, lim, i) and appears(s, r, i, now):
+        return record(s, i, name(s, lim, glob, i), glob[SEQ], now, 0, out, n)
     if s[STATE, i] == VISIBLE:
         hide_sides(s, i)
         if now - s[REPORTED, i] >= r[REPORT_STEPS] << r[STEP_LOG2]:

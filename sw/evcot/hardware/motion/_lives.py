@@ -21,6 +21,7 @@ from ._state import (
     COUNT,
     DEADLINE,
     DETECT_TICKS,
+    FREE,
     FROM_X,
     FROM_Y,
     HI_X,
@@ -29,6 +30,7 @@ from ._state import (
     ID,
     ID_MASK,
     LAST,
+    LEFT,
     LIFE_LOG2,
     LIFE_TICKS,
     LO_X,
@@ -38,6 +40,7 @@ from ._state import (
     N_EV,
     NEV_HIGH,
     NEV_LOW,
+    NEVER,
     OFF_HI_X,
     OFF_HI_Y,
     OFF_LO_X,
@@ -45,6 +48,8 @@ from ._state import (
     ONE,
     PARTNER,
     REPORTED,
+    RUN_X,
+    RUN_Y,
     SEED_PX,
     SEEDED,
     STATE,
@@ -59,10 +64,10 @@ from ._state import (
     Table,
 )
 from ._velocity import correct_velocity
-from ._windows import length, next_window
+from ._windows import length, next_window, windows_touch
 from .contract import SUB
 
-__all__ = ["BORN", "LOST", "MERGED", "MOVED", "appears", "correct", "record", "seed"]
+__all__ = ["BORN", "LOST", "MERGED", "MOVED", "appears", "correct", "name", "record", "seed"]
 
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 
@@ -111,6 +116,8 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
         COUNT,
         CORRECTIONS,
         TOGETHER,
+        RUN_X,
+        RUN_Y,
     ):
         s[field, i] = 0
     s[SUPPORT, i] = 1
@@ -143,21 +150,31 @@ def correct(s: Table, r: Table, i: int, now: int) -> None:
 
 
 @step
-def appears(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int) -> bool:
-    """Whether candidate i becomes visible: by support, size, time and the way that it has gone. It then has an id."""
+def appears(s: Table, r: Table, i: int, now: int) -> bool:
+    """Whether candidate i becomes visible: by support, size, time and the way that it has gone."""
     width = s[HI_X, i] - s[LO_X, i]
     height = s[HI_Y, i] - s[LO_Y, i]
     way_x = abs(s[LO_X, i] + s[HI_X, i] - s[FROM_X, i])
     way_y = abs(s[LO_Y, i] + s[HI_Y, i] - s[FROM_Y, i])
-    if (
-        s[CORRECTIONS, i] < MOVES_FROM
-        or s[SUPPORT, i] < r[BIRTH_SUPPORT]
-        or min(width, height) < r[BIRTH_PX] << SUB
-        or now - s[SEEDED, i] < r[BIRTH_TICKS]
-        or max(way_x, way_y) < ((width + height) >> (r[BIRTH_TRAVEL] + 1)) + 2 * ONE
-    ):
-        return False
+    return bool(
+        s[CORRECTIONS, i] >= MOVES_FROM
+        and s[SUPPORT, i] >= r[BIRTH_SUPPORT]
+        and min(width, height) >= r[BIRTH_PX] << SUB
+        and now - s[SEEDED, i] >= r[BIRTH_TICKS]
+        and max(way_x, way_y) >= ((width + height) >> (r[BIRTH_TRAVEL] + 1)) + 2 * ONE
+    )
+
+
+@step
+def name(s: Table, lim: Table, glob: Table, i: int) -> int:
+    """Slot i becomes visible: as the track that was lost where its window is, or as a new one; returns the record's kind."""
     s[STATE, i] = VISIBLE
+    for j in range(s.shape[1]):
+        if s[STATE, j] == LEFT and windows_touch(s, i, j):
+            s[ID, i] = s[ID, j]
+            s[STATE, j] = FREE
+            s[DEADLINE, j] = NEVER
+            return MOVED
     s[ID, i] = glob[BIRTHS] & lim[ID_MASK]
     glob[BIRTHS] += 1
-    return True
+    return BORN

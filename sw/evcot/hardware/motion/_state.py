@@ -17,26 +17,28 @@ Table = NDArray[Any]
  BOX_LO_X, BOX_HI_X, BOX_LO_Y, BOX_HI_Y, WIN_LO_X, WIN_HI_X, WIN_LO_Y, WIN_HI_Y,
  COUNT, N_EV, SUPPORT, CORRECTIONS, LAST, USUAL, DEADLINE, SEEDED, FROM_X, FROM_Y, PARTNER, TOGETHER, ID, REPORTED,
  BIN_LOG2_X, BIN_LOG2_Y, LOOKED, WAITS, NEXT_BOX_LO_X, NEXT_BOX_HI_X, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y,
- NEXT_WIN_LO_X, NEXT_WIN_HI_X, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y) = range(48)  # fmt: skip
+ NEXT_WIN_LO_X, NEXT_WIN_HI_X, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y, RUN_X, RUN_Y) = range(50)  # fmt: skip
 BINS = 16  # of each axis
-BINS_X, BINS_Y = 48, 48 + BINS
-FIELD_COUNT = 48 + 2 * BINS
+BINS_X, BINS_Y = 50, 50 + BINS
+FIELD_COUNT = 50 + 2 * BINS
 
-FREE, CANDIDATE, VISIBLE = range(3)  # STATE
+FREE, CANDIDATE, VISIBLE, LEFT = range(4)  # STATE
 AT_LO_X, AT_HI_X, AT_LO_Y, AT_HI_Y = 1, 2, 4, 8  # bits of BEYOND and HIDDEN
 
 _NAMES = [field.name for field in fields(MotionRegisters)]
-(STEP_LOG2, SIDE_STEP, SIDE_SHARE, SIDE_SHRINK, SIDE_MAX, GAIN_LOG2, GAIN_SLOW, SETTLE, SPEED_MAX, FRICTION, NEV_LOW,
- NEV_HIGH, SEED_PX, RING_PX, RING_MAX, RING_ACROSS, RING_ALONG, RING_ANY, ELONGATION, DETECT_TICKS, LIFE_LOG2, LIFE_TICKS,
- COAST_TICKS, BIRTH_SUPPORT, BIRTH_PX, BIRTH_TICKS, BIRTH_TRAVEL, GAP_CORRECTIONS, GAP_SHARE, GAP_PX, JOIN_STEPS,
- JOIN_LIFE, JOIN_SPEED, JOIN_REACH, JOIN_PX, KEEP_OLDER, REPORT_STEPS) = (
+(
+    STEP_LOG2, SIDE_STEP, SIDE_SHARE, SIDE_SHRINK, SIDE_MAX, GAIN_LOG2, GAIN_SLOW, GAIN_FAST, SETTLE, SPEED_MAX, FRICTION,
+    COAST_SLOW, NEV_LOW, NEV_HIGH, SEED_PX, RING_PX, RING_MAX, RING_ACROSS, RING_ALONG, RING_ANY, ELONGATION, DETECT_TICKS,
+    LIFE_LOG2, LIFE_TICKS, COAST_TICKS, RETURN_TICKS, BIRTH_SUPPORT, BIRTH_PX, BIRTH_TICKS, BIRTH_TRAVEL, GAP_CORRECTIONS,
+    GAP_SHARE, GAP_PX, JOIN_STEPS, JOIN_LIFE, JOIN_SPEED, JOIN_REACH, JOIN_PX, KEEP_OLDER, REPORT_STEPS,
+) = (
     _NAMES.index(name)
     for name in (
-        "step_log2", "side_step", "side_share", "side_shrink", "side_max", "gain_log2", "gain_slow", "settle", "speed_max",
-        "friction", "nev_low", "nev_high", "seed_px", "ring_px", "ring_max", "ring_across", "ring_along", "ring_any",
-        "elongation", "detect_ticks", "life_log2", "life_ticks", "coast_ticks", "birth_support", "birth_px", "birth_ticks",
-        "birth_travel", "gap_corrections", "gap_share", "gap_px", "join_steps", "join_life", "join_speed", "join_reach",
-        "join_px", "keep_older", "report_steps",
+        "step_log2", "side_step", "side_share", "side_shrink", "side_max", "gain_log2", "gain_slow", "gain_fast", "settle",
+        "speed_max", "friction", "coast_slow", "nev_low", "nev_high", "seed_px", "ring_px", "ring_max", "ring_across",
+        "ring_along", "ring_any", "elongation", "detect_ticks", "life_log2", "life_ticks", "coast_ticks", "return_ticks",
+        "birth_support", "birth_px", "birth_ticks", "birth_travel", "gap_corrections", "gap_share", "gap_px", "join_steps",
+        "join_life", "join_speed", "join_reach", "join_px", "keep_older", "report_steps",
     )
 )  # fmt: skip
 
@@ -49,6 +51,8 @@ LIMIT_COUNT = 4
 ONE = 1 << SUB
 NEVER = 1 << 62
 CORRECTIONS_MAX = 63  # the count saturates
+RUN_MAX = 7  # corrections in one direction, saturating
+RUN_FROM = 2  # from which on one more doubles the gain
 TICKS_MAX = (1 << 24) - 1  # ticks between two corrections, saturating
 TOGETHER_MAX = (1 << 16) - 1  # steps together after which two merge in any case
 MOVES_FROM = 4  # corrections from which on a candidate's velocity counts

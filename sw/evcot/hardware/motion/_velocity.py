@@ -8,8 +8,10 @@ from numba import njit
 
 from ..._numba_private import step
 from ._state import (
+    COAST_SLOW,
     CORRECTIONS,
     FRICTION,
+    GAIN_FAST,
     GAIN_LOG2,
     GAIN_SLOW,
     HI_X,
@@ -23,6 +25,10 @@ from ._state import (
     OFF_LO_X,
     OFF_LO_Y,
     REACH,
+    RUN_FROM,
+    RUN_MAX,
+    RUN_X,
+    RUN_Y,
     SETTLE,
     SPEED_MAX,
     STEP_LOG2,
@@ -69,19 +75,42 @@ def _common(low: int, high: int, slower: bool) -> int:
 
 
 @step
+def _run(run: int, way: int) -> int:
+    """How many corrections in a row went upwards, or downwards if negative, with this one."""
+    if way > 0:
+        return min(max(run, 0) + 1, RUN_MAX)
+    return max(min(run, 0) - 1, -RUN_MAX) if way < 0 else 0
+
+
+@step
+def _gain(s: Table, r: Table, i: int, done: int, run: int) -> int:
+    """The gain of an axis, as -log2: it falls with the number of corrections, and rises while these agree in direction.
+
+    While the slot meets another, its events may be the other's: the gain is halved, and does not rise.
+    """
+    gain = min(1 + (done >> r[GAIN_SLOW]), r[GAIN_LOG2])
+    if s[MEETS, i]:
+        return int(gain + 1)
+    if r[GAIN_FAST] == 0:
+        return int(gain)
+    return int(max(gain - max(abs(run) - RUN_FROM, 0), min(gain, r[GAIN_FAST])))
+
+
+@step
 def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
     """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity."""
     ticks = min(max(now - s[LAST, i], 1), TICKS_MAX)
     done = s[CORRECTIONS, i]
     if done >= 2:
-        gain = min(1 + (done >> r[GAIN_SLOW]), r[GAIN_LOG2])
-        if s[MEETS, i]:
-            gain += 1
-        shift = r[STEP_LOG2] - 1 - gain
         slower = done < r[SETTLE]
+        d_x = _common(s[OFF_LO_X, i], s[OFF_HI_X, i], slower)
+        d_y = _common(s[OFF_LO_Y, i], s[OFF_HI_Y, i], slower)
+        s[RUN_X, i] = _run(s[RUN_X, i], d_x)
+        s[RUN_Y, i] = _run(s[RUN_Y, i], d_y)
+        shift = r[STEP_LOG2] - 1
         most = r[SPEED_MAX]
-        v_x = s[V_X, i] + over(_common(s[OFF_LO_X, i], s[OFF_HI_X, i], slower), ticks, shift)
-        v_y = s[V_Y, i] + over(_common(s[OFF_LO_Y, i], s[OFF_HI_Y, i], slower), ticks, shift)
+        v_x = s[V_X, i] + over(d_x, ticks, shift - _gain(s, r, i, done, s[RUN_X, i]))
+        v_y = s[V_Y, i] + over(d_y, ticks, shift - _gain(s, r, i, done, s[RUN_Y, i]))
         s[V_X, i] = max(-most, min(most, v_x))
         s[V_Y, i] = max(-most, min(most, v_y))
     s[OFF_LO_X, i] = 0
@@ -104,11 +133,13 @@ def _move(s: Table, lo: int, hi: int, way: int, i: int, reach: int) -> None:
 
 @step
 def advance(s: Table, r: Table, lim: Table, i: int, now: int) -> None:
-    """A motion step: box and velocity go on; the velocity of a slot that has been silent for long dies away."""
+    """A motion step: box and velocity go on; what has been silent for long slows down, unless another may hide it."""
     v_x = s[V_X, i]
     v_y = s[V_Y, i]
-    _move(s, LO_X, HI_X, v_x, i, lim[REACH])
-    _move(s, LO_Y, HI_Y, v_y, i, lim[REACH])
-    if r[FRICTION] and not s[MEETS, i] and now - s[LAST, i] > s[USUAL, i] << 2:
+    tires = not s[MEETS, i] and now - s[LAST, i] > s[USUAL, i] << 1
+    slow = r[COAST_SLOW] if tires else 0
+    _move(s, LO_X, HI_X, v_x >> slow, i, lim[REACH])
+    _move(s, LO_Y, HI_Y, v_y >> slow, i, lim[REACH])
+    if tires and r[FRICTION]:
         s[V_X, i] = v_x - (v_x >> r[FRICTION])
         s[V_Y, i] = v_y - (v_y >> r[FRICTION])

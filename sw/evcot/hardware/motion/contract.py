@@ -39,9 +39,11 @@ MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
         "side_max": (1, 4095, "longest side, px"),
         "gain_log2": (1, 12, "gain of a velocity's correction is 2^-gain_log2 in the end"),
         "gain_slow": (0, 6, "2^gain_slow corrections until a gain is halved"),
+        "gain_fast": (0, 12, "it is doubled while corrections agree in direction, up to 2^-gain_fast; 0: it is not"),
         "settle": (0, 63, "corrections during which a velocity follows the slower of two sides"),
         "speed_max": (0, 32767, "limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events"),
         "friction": (0, 15, "a silent slot loses 2^-friction of its velocity a step; 0: nothing"),
+        "coast_slow": (0, 3, "a silent slot moves by 2^-coast_slow of its velocity"),
         "nev_low": (1, 1023, "fewest events of a correction"),
         "nev_high": (1, 1023, "most events of a correction"),
         "seed_px": (1, 255, "half the side of a new candidate's box"),
@@ -55,6 +57,7 @@ MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
         "life_log2": (0, 8, "a life ends after 2^life_log2 times the usual time between corrections without one"),
         "life_ticks": (1, 2**24 - 1, "but not before this time"),
         "coast_ticks": (1, 2**24 - 1, "nor after this time"),
+        "return_ticks": (0, 2**24 - 1, "ticks after its end in which a track goes on in what becomes visible there; 0: never"),
         "birth_support": (1, 65535, "events that a candidate needs to become visible"),
         "birth_px": (0, 255, "sides that it needs"),
         "birth_ticks": (0, 2**24 - 1, "time that it needs"),
@@ -106,9 +109,11 @@ class MotionRegisters:
     side_max: int = 160
     gain_log2: int = 4
     gain_slow: int = 2
+    gain_fast: int = 0
     settle: int = 8
     speed_max: int = 32767
     friction: int = 7
+    coast_slow: int = 0
     nev_low: int = 8
     nev_high: int = 256
     seed_px: int = 4
@@ -122,6 +127,7 @@ class MotionRegisters:
     life_log2: int = 3
     life_ticks: int = 20_000
     coast_ticks: int = 100_000
+    return_ticks: int = 0
     birth_support: int = 200
     birth_px: int = 4
     birth_ticks: int = 10_000

@@ -15,8 +15,8 @@ SIDE_W, PX_W, ID_W = 20, 9, 7
 def groups(slot_w: int) -> dict[str, dict[str, int]]:
     """What is written together, with widths."""
     state = {
-        "v": 32, "refs": 4 * SIDE_W, "corrections": 6, "looked": 8, "meets": 5, "n_ev": 10, "has_partner": 1, "partner": slot_w,
-        "together": 16, "usual": 24, "log2": 10,
+        "v": 32, "refs": 4 * SIDE_W, "corrections": 6, "looked": 8, "meets": 5, "runs": 8, "n_ev": 10, "has_partner": 1,
+        "partner": slot_w, "together": 16, "usual": 24, "log2": 10,
     }  # fmt: skip
     return {
         "keep": state,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""motion_lives.v: which slots have a visible track, a candidate, and four corrections behind them."""
+"""motion_lives.v: which slots have a visible track, a candidate, a track that may return, and four corrections behind them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.testing import lint
 
 N = 5
-COMMANDS = ("begins", "seed", "settle", "appear", "lapse")
+COMMANDS = ("begins", "seed", "settle", "appear", "lapse", "leave")
 
 
 def test_random_lives() -> None:
@@ -23,6 +23,7 @@ def test_random_lives() -> None:
     for _clock in range(4_000):
         assert int(io.visible) == sum(1 << i for i in range(N) if states[i] == "visible")
         assert int(io.candidate) == sum(1 << i for i in range(N) if states[i] == "candidate")
+        assert int(io.left) == sum(1 << i for i in range(N) if states[i] == "left")
         lives = [i for i in range(N) if states[i] in ("visible", "candidate", "seeded")]
         assert all(int(io.settled) >> i & 1 == settled[i] for i in lives)
         for name in COMMANDS:
@@ -33,7 +34,8 @@ def test_random_lives() -> None:
             "free": ["seed"],
             "seeded": ["none"],
             "candidate": ["none", "lapse", "appear" if settled[slot] else "settle"],
-            "visible": ["none", "lapse"],
+            "visible": ["none", "lapse", "leave"],
+            "left": ["none", "lapse", "seed"],
         }
         command = str(rng.choice(open_to[states[slot]]))
         if states[begins] == "seeded":
@@ -41,7 +43,9 @@ def test_random_lives() -> None:
             seen["begins"] = seen.get("begins", 0) + 1
         if command != "none":
             setattr(io, command, 1)
-            states[slot] = {"seed": "seeded", "settle": "candidate", "appear": "visible", "lapse": "free"}[command]
+            io.lapse = int(command in ("lapse", "leave"))
+            after = {"seed": "seeded", "settle": "candidate", "appear": "visible", "lapse": "free", "leave": "left"}
+            states[slot] = after[command]
             settled[slot] = command != "seed" and (settled[slot] or command == "settle")
             seen[command] = seen.get(command, 0) + 1
         if int(io.rst):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""motion_meeting.v with motion_match.v's answers: what a slot meets, which of its sides are hidden, and whom it touches."""
+"""motion_meeting.v with motion_match.v's answers: what a slot meets, what hides its sides, whom it touches or returns as."""
 
 from __future__ import annotations
 
@@ -42,9 +42,12 @@ def test_random_meetings() -> None:
     for _ in range(400):
         slots = [random_slot(rng, i) for i in range(N)]
         one, visible = slots[int(rng.integers(N))], rng.random(N) < 0.6
+        left = ~visible & (rng.random(N) < 0.5)
+        left[one.number] = False
         others = [slot for slot in slots if slot is not one]
         io.slot, io.visible = one.number, sum(1 << i for i in range(N) if visible[i])
-        io.candidate = sum(1 << i for i in range(N) if not visible[i])
+        io.candidate = sum(1 << i for i in range(N) if not visible[i] and not left[i])
+        io.left = sum(1 << i for i in range(N) if left[i])
         io.box = packed([bound for axis in one.axes for bound in axis.box])
         io.window = packed([bound for axis in one.axes for bound in axis.window])
         io.start = io.begins = 1
@@ -64,16 +67,20 @@ def test_random_meetings() -> None:
         touched = [
             slot.number
             for slot in others
-            if not visible[slot.number] and all(gap(a.box, b.box) <= 0 for a, b in zip(slot.axes, one.axes, strict=True))
+            if not (visible | left)[slot.number]
+            and all(gap(a.box, b.box) <= 0 for a, b in zip(slot.axes, one.axes, strict=True))
         ]
         assert int(io.meets) == one.meets
         assert int(io.hidden) == sum(1 << i for i in range(4) if sides[i])
         assert int(io.held) == any(visible[slot.number] and slot.holds((middle[0], middle[1])) for slot in others)
         assert int(io.touches) == bool(touched)
         assert not touched or int(io.touched) == touched[0]
-        seen.add((int(io.meets), int(io.hidden), int(io.held), int(io.touches)))
+        gone = [slot.number for slot in others if left[slot.number] and one.reaches(slot)]
+        assert int(io.returns) == bool(gone)
+        assert not gone or int(io.returned) == gone[0]
+        seen.add((int(io.meets), int(io.hidden), int(io.held), int(io.touches), int(io.returns)))
         sim.clock.tick()
-    assert len(seen) > 30
+    assert len(seen) > 40
 
 
 def test_lint() -> None:

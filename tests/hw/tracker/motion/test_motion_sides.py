@@ -50,8 +50,9 @@ def command(axis: Axis, name: str, io: Any, number: int, place: int, v_next: int
         axis.hi = max(axis.lo, axis.hi)
     elif name == "unite":
         axis.lo, axis.hi = axis.lo - max(axis.ref_lo, 0), axis.hi - min(axis.ref_hi, 0)
-    elif name == "move":
-        sides = axis.lo + axis.v, axis.hi + axis.v
+    elif name in ("move", "move slowly"):
+        way = axis.v if name == "move" else axis.v >> int(io.coast_slow)
+        sides = axis.lo + way, axis.hi + way
         if all(-(1 << REACH) * PX <= side < (2 << REACH) * PX for side in sides):
             axis.lo, axis.hi = sides
     elif name == "shorten" and axis.hi - axis.lo > int(io.side_max) * PX:
@@ -63,12 +64,13 @@ def command(axis: Axis, name: str, io: Any, number: int, place: int, v_next: int
         axis.ref_lo, axis.ref_hi = axis.lo, axis.hi
     elif name == "turn":
         axis.v = v_next
-    elif name == "rub":
+    if name in ("rub", "move slowly") and int(io.friction):
         axis.v -= axis.v >> int(io.friction)
 
 
 COMMANDS = (
     "seed", "shrink", "cut_high", "cut_low", "order", "unite", "move", "shorten", "reflect", "settle", "turn", "rub",
+    "move slowly",
 )  # fmt: skip
 
 
@@ -88,7 +90,8 @@ def test_random_commands() -> None:
     seen = dict.fromkeys(COMMANDS, 0)
     axes: list[Axis] = []
     for _slot in range(150):
-        for name, high in (("side_shrink", 9), ("side_max", 300), ("friction", 16), ("seed_px", 256), ("marks", 16)):
+        highs = {"side_shrink": 9, "side_max": 300, "friction": 16, "coast_slow": 4, "seed_px": 256, "marks": 16}
+        for name, high in highs.items():
             setattr(io, name, int(rng.integers(name == "side_max", high)))
         places = [int(rng.integers(1 << bits)) for _, _, bits in AXES]
         io.x, io.y = places
@@ -123,10 +126,13 @@ def test_random_commands() -> None:
             for axis, (_, number, _) in zip(axes, AXES, strict=True):
                 command(axis, name, io, number, places[number], v_next[number])
             seen[name] += before != [(axis.lo, axis.hi, axis.ref_lo, axis.ref_hi, axis.v) for axis in axes]
-            setattr(io, name, 1)
+            ports = ("move", "rub") if name == "move slowly" else (name,)
+            for port in ports:
+                setattr(io, port, 1)
             io.v_next = v_next[0] % (1 << 16)
             sim.clock.tick()
-            setattr(io, name, 0)
+            for port in ports:
+                setattr(io, port, 0)
             io.v_next = v_next[1] % (1 << 16)
             for _clock in range(8):
                 sim.clock.tick()

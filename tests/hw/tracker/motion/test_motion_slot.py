@@ -18,9 +18,9 @@ WINDOW = {"box": 4 * PX_W, "window": 4 * PX_W}
 START = {"start": 2 * SIDE_W + 2}
 COMMANDS = (
     "take", "load", "unite", "seed", "offset", "count", "begin_bins", "pair", "part", "meet", "keep", "keep_window", "keep_id",
-    "keep_start",
+    "keep_start", "ran",
 )  # fmt: skip
-OUTPUTS = ("support", "corrections", "marks", "hidden", "meets", "n_ev", "together", "log2")
+OUTPUTS = ("support", "corrections", "marks", "hidden", "meets", "runs", "n_ev", "together", "log2")
 
 
 @dataclass
@@ -32,6 +32,7 @@ class State:
     looked: int = 0
     meets: int = 0
     hidden: int = 0
+    runs: int = 0
     marks: int = 0
     n_ev: int = 0
     partner: int | None = None
@@ -72,6 +73,8 @@ def command(name: str, slot: State, memory: State, io: Any, at: int) -> State:
         slot.partner = at
     elif name == "part":
         slot.together = max(slot.together - 1, 0)
+    elif name == "ran":
+        slot.runs = slot.runs & 0xF0 | int(io.run_next)
     elif name == "meet":
         slot.meets, slot.hidden = int(io.meets_now), int(io.hidden_now)
     return slot
@@ -89,7 +92,7 @@ def test_random_commands() -> None:
     n_evs = [0] * SLOTS
     births, slot = 0, State()
     seen = dict.fromkeys(COMMANDS, 0)
-    full = most = again = 0
+    full = most = again = resumed = 0
     io.rst = 1
     sim.clock.tick()
     io.rst = 0
@@ -107,7 +110,8 @@ def test_random_commands() -> None:
             "r_marks": int(rng.integers(16)), "length_x": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)),
             "length_y": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)), "meets_now": int(rng.integers(2)),
             "hidden_now": int(rng.integers(16)), "nev_low": low, "nev_high": high, "gain_log2": int(rng.integers(1, 13)),
-            "gain_slow": int(rng.integers(7)), "gap_corrections": int(rng.integers(256)) >> int(rng.integers(9)),
+            "gain_slow": int(rng.integers(7)), "gain_fast": int(rng.integers(13)), "run_next": int(rng.integers(16)),
+            "gap_corrections": int(rng.integers(256)) >> int(rng.integers(9)),
             "load_support": int(rng.integers(2)), "puts": int(rng.integers(2)), "put_slot": int(rng.integers(SLOTS)),
         }  # fmt: skip
         values |= {word: int.from_bytes(rng.bytes(16)) % (1 << bits) for word, bits in (KEPT | WINDOW | START).items()}
@@ -126,7 +130,16 @@ def test_random_commands() -> None:
                 fields = {"keep": KEPT, "keep_window": WINDOW, "keep_start": START}[name]
                 words.update({(at, word): values[word] for word in fields})
             if name == "keep_id":
-                words[at, "id"], births = births, (births + 1) % (1 << ID_W)
+                io.resume = int(round_ >= len(first) and rng.random() < 0.5)
+                if int(io.resume):  # the id of the slot that `at` has just left
+                    io.at = left = int(rng.integers(SLOTS))
+                    for _clock in range(3):
+                        sim.clock.tick()
+                    io.at = at
+                    resumed += words[at, "id"] != words[left, "id"]
+                    words[at, "id"] = words[left, "id"]
+                else:
+                    words[at, "id"], births = births, (births + 1) % (1 << ID_W)
             for port in ("load", "unite") if name == "unite" else (name,):
                 setattr(io, port, 1)
             sim.clock.tick()
@@ -135,6 +148,11 @@ def test_random_commands() -> None:
             if round_ >= len(first):
                 for port in OUTPUTS:
                     assert int(getattr(io, port)) == getattr(slot, port), (name, port)
+            if name == "ran":  # then of y
+                io.run_next = int(rng.integers(16))
+                sim.clock.tick()
+                slot.runs = slot.runs & 0x0F | int(io.run_next) << 4
+                assert int(io.runs) == slot.runs
         if round_ < len(first):
             continue
         seen[name] += 1
@@ -142,6 +160,7 @@ def test_random_commands() -> None:
             sim.clock.tick()
         gain = min(1 + (slot.corrections >> values["gain_slow"]), values["gain_log2"]) + slot.meets
         assert int(io.gain) == gain
+        assert int(io.room) == (max(gain - values["gain_fast"], 0) if values["gain_fast"] and not slot.meets else 0)
         assert int(io.look_due) == (values["gap_corrections"] > 0 and slot.looked + 1 >= values["gap_corrections"])
         full += slot.support == MOST
         most += slot.corrections == 63
@@ -151,7 +170,7 @@ def test_random_commands() -> None:
         assert all(int(getattr(io, f"p_{word}")) == words[of_window, word] for word in WINDOW)
         assert int(io.p_n_ev) == n_evs[of_window]
     assert min(seen.values()) > 50
-    assert min(full, most, again) > 5
+    assert min(full, most, again, resumed) > 5
 
 
 def test_lint() -> None:

@@ -17,7 +17,7 @@ N, SLOT_W = 5, 3
 TO_SIDES = ("c_reflect", "c_move", "c_rub", "c_shorten")
 COMMANDS = (
     *TO_SIDES, "c_window", "keep_window", "c_compare", "c_pair", "c_part", "merge", "c_ask", "c_meet", "appear", "lapse",
-    "keep_now", "keep",
+    "keep_now", "keep_until", "keep",
 )  # fmt: skip
 TAKE = (  # clocks of motion_pair.v, motion_meeting.v and motion_times.v, more or less; motion_merge.v takes longer
     ("c_compare", "pair", 21, 22), ("c_ask", "meet", 11, 12), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
@@ -42,7 +42,9 @@ class Step:
     older: Pairs
     enough: Pairs
     touched: list[list[int]]
+    returned: list[list[int]]
     keep_older: bool
+    may_return: bool
     said: list[Said] = field(default_factory=list)
 
     def stays(self, this: int, other: int, *, by_support: bool) -> tuple[int, int]:
@@ -54,17 +56,19 @@ class Step:
             swap = self.older[this, other]
         return (other, this) if swap else (this, other)
 
-    def lapse(self, slot: int) -> None:
-        if self.states[slot] == "visible":
+    def lapse(self, slot: int, *, alone: bool = False) -> None:
+        visible = self.states[slot] == "visible"
+        if visible:
             self.said += [("keep_now", slot), ("say", slot, Kind.LOST)]
-        self.said.append(("lapse", slot))
-        self.states[slot] = "free"
+        leaves = visible and self.may_return and not alone
+        self.said += [("leave" if leaves else "lapse", slot)] + [("keep_until", slot)] * leaves
+        self.states[slot] = "left" if leaves else "free"
 
     def end(self, slot: int) -> None:
         """The end of one life."""
         if self.states[slot] != "free":
             self.said += [("op_read", slot), ("load", slot), ("c_reflect", slot)]
-            self.lapse(slot)
+            self.lapse(slot, alone=True)
 
     def go(self, this: int) -> None:
         """docs/motion.md, "A motion step of a slot"."""
@@ -74,6 +78,8 @@ class Step:
         self.said += [("op_read", this), ("load", this), ("c_reflect", this)]
         if self.ended[this]:
             self.lapse(this)
+            return
+        if self.states[this] == "left":
             return
         self.said += [("c_move", this)] * known + [("c_rub", this)] * (known and self.rubs[this] and self.silent[this])
         self.said += [("c_shorten", this), ("c_reflect", this), ("c_window", this), ("keep_window", this)]
@@ -98,7 +104,12 @@ class Step:
                         return
                     self.said.append(("c_ask", this))
             if self.appears[this]:
-                self.said += [("appear", this), ("keep_now", this), ("say", this, Kind.BORN)]
+                gone = [other for other in self.returned[this] if self.states[other] == "left"]
+                if gone:
+                    self.said.append(("lapse", gone[0]))
+                    self.states[gone[0]] = "free"
+                self.said += [("resume" if gone else "appear", this), ("keep_now", this)]
+                self.said.append(("say", this, Kind.MOVED if gone else Kind.BORN))
                 self.states[this] = "visible"
         self.said += [("keep", this), ("op_all", this)]
 
@@ -107,7 +118,7 @@ class Step:
         if self.corrections[this] < 4:
             return None
         for other in range(N):
-            if other != this and self.states[other] != "free" and self.corrections[other] >= 4:
+            if other != this and self.states[other] in ("visible", "candidate") and self.corrections[other] >= 4:
                 self.said += [("op_read", other), ("c_compare", other)]
                 if self.alike[this, other]:
                     self.said.append(("c_pair", other))
@@ -129,12 +140,14 @@ def random_step(rng: np.random.Generator) -> Step:
     def pairs(share: float) -> Pairs:
         return {(a, b): bool(rng.random() < share) for a in range(N) for b in range(N)}
 
-    states = [str(state) for state in rng.choice(["visible", "candidate", "free"], N)]
+    states = [str(state) for state in rng.choice(["visible", "visible", "candidate", "candidate", "free", "left"], N)]
     corrections = [int(rng.integers(0 if state == "candidate" else 4, 12)) for state in states]
-    touched = [[other for other in range(N) if other != this and rng.random() < 0.3] for this in range(N)]
+    touched, returned = (
+        [[other for other in range(N) if other != this and rng.random() < share] for this in range(N)] for share in (0.3, 0.7)
+    )
     return Step(
         states, corrections, flags(0.1), flags(0.5), flags(0.5), flags(0.2), flags(0.5), flags(0.5),
-        pairs(0.4), pairs(0.5), pairs(0.5), pairs(0.5), touched, bool(rng.integers(2)),
+        pairs(0.4), pairs(0.5), pairs(0.5), pairs(0.5), touched, returned, bool(rng.integers(2)), bool(rng.integers(2)),
     )  # fmt: skip
 
 
@@ -144,6 +157,10 @@ class Around(Control):
     compared = 0
 
     def command(self, name: str, slot: int) -> Said:
+        if name == "lapse" and int(self.io.leave):
+            return "leave", slot
+        if name == "appear" and int(self.io.resume):
+            return "resume", slot
         if name == "merge":
             return name, int(self.io.stays), int(self.io.goes)
         return name, int(self.io.this_slot) if name == "c_part" else slot
@@ -167,7 +184,7 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
     while True:
         at, this, other = control.at[0], min(int(io.this_slot), N - 1), control.compared
         noise = [int(bit) for bit in rng.integers(2, size=12)]
-        for name, state in (("visible", "visible"), ("candidate", "candidate")):
+        for name, state in (("visible", "visible"), ("candidate", "candidate"), ("left", "left")):
             setattr(io, name, sum(1 << i for i in range(N) if states[i] == state))
         io.settled = sum(1 << i for i in range(N) if step.corrections[i] >= 4)
         io.corrections = step.corrections[this]
@@ -176,17 +193,19 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
         io.older = int(step.older[this, other]) if at == this and control.steady(4) else noise[1]
         io.weaker = int(step.weaker[this, other])
         io.alike, io.enough = int(step.alike[this, other]), int(step.enough[this, other])
-        io.keep_older = int(step.keep_older)
+        io.keep_older, io.may_return = int(step.keep_older), int(step.may_return)
         io.overdue, io.appears = int(step.overdue[this]), int(step.appears[this])
         io.held = int(step.held[this]) if asks == 1 else noise[3]
         candidates = [slot for slot in touched[this] if states[slot] == "candidate"]
         io.touches, io.touched = int(bool(candidates)), candidates[0] if candidates else noise[2]
+        gone = [slot for slot in step.returned[this] if states[slot] == "left"]
+        io.returns, io.returned = int(bool(gone)), gone[0] if gone else noise[4]
         io.pair_done, io.meet_done = int(wait.get("pair") == 1), int(wait.get("meet") == 1)
         io.merged, io.dividing = int(wait.get("merge") == 1), int(wait.get("divide", 0) > 0)
         if int(io.merged):
             states[int(io.goes)] = "free"
         if int(io.lapse):
-            states[at] = "free"
+            states[at] = "left" if int(io.leave) else "free"
         if int(io.appear):
             states[at] = "visible"
         control.clock()
@@ -210,7 +229,7 @@ def test_random_steps(stalls: bool) -> None:
     control.reset()
     control.stalls = stalls
     seen: dict[str, int] = {}
-    for _ in range(18):
+    for _ in range(48):
         step, alone = random_step(steps), steps.random() < 0.2
         expected = Step(**{**vars(step), "states": list(step.states)})
         slot = int(steps.integers(N))
@@ -226,7 +245,7 @@ def test_random_steps(stalls: bool) -> None:
         assert [(name, *more) for name, *more in control.said] == expected.said
         for name, *_ in expected.said:
             seen[name] = seen.get(name, 0) + 1
-    assert min(seen.get(name, 0) for name in COMMANDS) > 2, seen
+    assert min(seen.get(name, 0) for name in (*COMMANDS, "leave", "resume")) > 2, seen
 
 
 def test_lint() -> None:

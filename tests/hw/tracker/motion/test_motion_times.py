@@ -57,7 +57,7 @@ def test_corrections_and_the_deadline(part: Any) -> None:
         pulse("load", clocks=6)
         ticks = max(1, min(age, (1 << 24) - 1))
         assert (int(io.age), int(io.ticks), int(io.ended)) == (age, ticks, 1)
-        assert int(io.silent) == (age > 4 * int(io.loaded))
+        assert int(io.silent) == (age > 2 * int(io.loaded))
         io.first = int(rng.integers(2))
         usual = usual_of(int(io.loaded), ticks, bool(io.first))
         pulse("correct", clocks=8 + int(io.life_log2))
@@ -77,6 +77,16 @@ def test_a_candidate_has_the_time_to_be_detected(part: Any) -> None:
     pulse("seed", clocks=2)
     pulse("keep_until", clocks=4)
     assert (int(io.usual), int(io.age)) == (70, -70 % (1 << TIME_W))
+
+
+def test_what_leaves_has_the_time_to_return(part: Any) -> None:
+    io, pulse = part.io, part.pulse
+    io.at, io.since, io.now, io.detect_ticks, io.return_ticks = 2, UNTIL, 1_000, 70, 900
+    pulse("load", clocks=2)
+    usual = int(io.usual)
+    pulse("leave", clocks=2)
+    pulse("keep_until", clocks=4)
+    assert (int(io.usual), int(io.age)) == (usual, -900 % (1 << TIME_W))
 
 
 def test_ages_are_compared_and_counted_in_steps(part: Any) -> None:
