@@ -397,6 +397,8 @@ class SlowArray:
                 self._record(slot, Kind.LOST, now)
             if slot.visible and r.return_ticks:
                 slot.visible, slot.left, slot.deadline = False, True, now + r.return_ticks
+                for axis in slot.axes:
+                    axis.set_box(r.ring_max)
             else:
                 self.slots[slot.number] = None
             return

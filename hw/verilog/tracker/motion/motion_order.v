@@ -114,6 +114,7 @@ module motion_order #(
     output wire                    count,
     output wire                    begin_bins,
     output wire                    place,
+    output wire                    widest,     // what is placed may return
     output wire                    note,
     output wire                    compare,
     output wire                    pair,
@@ -144,7 +145,7 @@ module motion_order #(
     wire              s_rests, s_valid, s_all, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
     wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
     wire              m_rests, m_done, m_valid, m_read, m_store, m_put, m_clear, m_load, m_unite, m_settle, m_reflect, m_cover, m_bins;
-    wire              s_resume, s_leave, s_leaves, s_keep_until;
+    wire              s_resume, s_leave, s_leaves, s_keep_until, s_widest;
     wire              m_window, m_take, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
     wire [SLOT_W-1:0] k_at, s_at, m_at, stays, goes;
     wire [3:0]        k_bin, m_bin;
@@ -188,6 +189,7 @@ module motion_order #(
     assign count        = k_count;
     assign begin_bins   = k_bins || m_bins;
     assign place        = k_window || s_window || m_window;
+    assign widest       = s_widest && !correcting && !merging;
     assign note         = k_note;
     assign compare      = s_compare;
     assign pair         = s_pair;
@@ -329,6 +331,7 @@ module motion_order #(
         .c_rub      (s_rub),
         .c_shorten  (s_shorten),
         .c_window   (s_window),
+        .widest     (s_widest),
         .c_compare  (s_compare),
         .c_pair     (s_pair),
         .c_part     (s_part),

@@ -75,6 +75,7 @@ module motion_step #(
     output reg               c_rub,
     output reg               c_shorten,
     output reg               c_window,
+    output reg               widest,       // that window is for what may return
     output reg               c_compare,
     output reg               c_pair,
     output reg               c_part,
@@ -114,7 +115,7 @@ module motion_step #(
     localparam [4:0] MOVE    = 5'd6;   // moves it
     localparam [4:0] LONG    = 5'd7;   // where it is too long, it is shortened; then what has changed is noted
     localparam [4:0] PLACE   = 5'd8;   // box and window
-    localparam [4:0] WINDOW  = 5'd9;
+    localparam [4:0] WINDOW  = 5'd9;   // waits for them
     localparam [4:0] SCAN    = 5'd10;  // compares it with others: the next one
     localparam [4:0] COMPARE = 5'd11;  // reads that one
     localparam [4:0] PAIR    = 5'd12;
@@ -153,6 +154,7 @@ module motion_step #(
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
     wire             is_visible = visible[at];
     wire             goes_on    = pause == 3'd0;
+    wire             leaves     = kind == `EVCOT_KIND_LOST && may_return && !alone;  // with the record
 
     assign this_slot = slot[SLOT_W-1:0];
     assign load      = reads;
@@ -196,6 +198,7 @@ module motion_step #(
                 op_valid <= 1'b1;
                 op_all   <= 1'b0;
                 reads    <= 1'b1;
+                widest   <= 1'b0;
                 since    <= UNTIL;
                 pause    <= 3'd3;
                 state    <= AGE;
@@ -224,11 +227,6 @@ module motion_step #(
             end
             LAPSE: begin
                 lapse <= 1'b1;
-                if (is_visible && !alone && may_return) begin
-                    leave      <= 1'b1;
-                    since      <= UNTIL;
-                    keep_until <= 1'b1;
-                end
                 slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
                 pause <= 3'd1;
                 rests <= alone;
@@ -255,6 +253,13 @@ module motion_step #(
                 keep_window <= 1'b1;
                 other       <= corrections < 6'd4 ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
                 state       <= SCAN;
+                if (widest) begin
+                    lapse      <= 1'b1;
+                    leave      <= 1'b1;
+                    since      <= UNTIL;
+                    keep_until <= 1'b1;
+                    state      <= DONE;
+                end
             end
 
             SCAN: begin
@@ -402,10 +407,12 @@ module motion_step #(
             end
             SAY:
             if (record_free) begin
-                say      <= 1'b1;
-                since    <= REPORTED;
-                keep_now <= 1'b1;
-                state    <= kind == `EVCOT_KIND_LOST ? LAPSE : DONE;
+                say       <= 1'b1;
+                since     <= REPORTED;
+                keep_now  <= 1'b1;
+                places[0] <= leaves;
+                widest    <= leaves;
+                state     <= kind != `EVCOT_KIND_LOST ? DONE : leaves ? WINDOW : LAPSE;
             end
 
             DONE: begin

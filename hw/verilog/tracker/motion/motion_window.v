@@ -26,6 +26,7 @@ module motion_window #(
     input  wire [14:0]              speed_x,
     input  wire [14:0]              speed_y,
     input  wire                     known,     // the velocity counts
+    input  wire                     widest,    // the window is as far from the box as it may be
 
     input  wire [3:0]               elongation,
     input  wire [3:0]               ring_across,
@@ -99,7 +100,7 @@ module motion_window #(
         base  <= on_y != short ? length_y : length_x;
         shift <= short ? ring_along : along_x || along_y ? ring_across : ring_any;
         part  <= base >> shift;
-        ring  <= far < {{(PX_W - 7) {1'b0}}, ring_max} ? far[7:0] : ring_max;
+        ring  <= !widest && far < {{(PX_W - 7) {1'b0}}, ring_max} ? far[7:0] : ring_max;
         if (step[3]) window[4*PX_W-1:2*PX_W] <= {low_x - wide, high_x + wide};
         if (step[4]) window[2*PX_W-1:0] <= {low_y - wide, high_y + wide};
 

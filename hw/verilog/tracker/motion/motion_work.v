@@ -125,7 +125,7 @@ module motion_work #(
     wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
     wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
-    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start, c_resume, c_leaves, returns, ran;
+    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start, c_resume, c_leaves, returns, ran, widest;
 
     reg begun_1, begun_2;  // what comes with the job is there
 
@@ -234,6 +234,7 @@ module motion_work #(
         .count       (c_count),
         .begin_bins  (c_begin_bins),
         .place       (c_place),
+        .widest      (widest),
         .note        (c_note),
         .compare     (c_compare),
         .pair        (c_pair),
@@ -537,6 +538,7 @@ module motion_work #(
         .speed_x    (speed_x),
         .speed_y    (speed_y),
         .known      (known),
+        .widest     (widest),
         .elongation (regs[`MOTION_ELONGATION]),
         .ring_across(regs[`MOTION_RING_ACROSS]),
         .ring_along (regs[`MOTION_RING_ALONG]),

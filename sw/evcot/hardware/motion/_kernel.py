@@ -50,7 +50,7 @@ from ._state import (
     Table,
 )
 from ._velocity import advance
-from ._windows import bounded, set_window, take_window
+from ._windows import await_return, bounded, set_window, take_window
 
 __all__ = ["RECORDS_PER_SLOT", "feed", "initialise", "restart", "restep"]
 
@@ -118,6 +118,7 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
             n = record(s, i, LOST, glob[SEQ], now, 0, out, n)
             if r[RETURN_TICKS]:
                 s[STATE, i] = LEFT
+                await_return(s, r, i)
                 s[DEADLINE, i] = now + r[RETURN_TICKS]
                 return n
         s[STATE, i] = FREE

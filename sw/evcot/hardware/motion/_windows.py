@@ -45,7 +45,18 @@ from ._state import (
 )
 from .contract import SUB
 
-__all__ = ["bounded", "gap", "in_box", "in_window", "length", "next_window", "set_window", "take_window", "windows_touch"]
+__all__ = [
+    "await_return",
+    "bounded",
+    "gap",
+    "in_box",
+    "in_window",
+    "length",
+    "next_window",
+    "set_window",
+    "take_window",
+    "windows_touch",
+]
 
 
 @step
@@ -82,6 +93,14 @@ def set_window(s: Table, r: Table, i: int) -> None:
 
 
 @step
+def await_return(s: Table, r: Table, i: int) -> None:
+    """The window in which what slot i has lost may return: as far from its box as a window may be."""
+    next_window(s, r, i)
+    _surround(s, i, r[RING_MAX], r[RING_MAX])
+    take_window(s, i)
+
+
+@step
 def take_window(s: Table, i: int) -> None:
     """Put slot i's next box and window in force."""
     for k in range(8):
@@ -105,10 +124,14 @@ def next_window(s: Table, r: Table, i: int) -> None:
     else:
         ring_x = (width >> r[RING_ANY]) + r[RING_PX]
         ring_y = (height >> r[RING_ANY]) + r[RING_PX]
-    ring_x = min(ring_x, r[RING_MAX])
-    ring_y = min(ring_y, r[RING_MAX])
     _box(s, LO_X, HI_X, NEXT_BOX_LO_X, NEXT_BOX_HI_X, i)
     _box(s, LO_Y, HI_Y, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y, i)
+    _surround(s, i, min(ring_x, r[RING_MAX]), min(ring_y, r[RING_MAX]))
+
+
+@step
+def _surround(s: Table, i: int, ring_x: int, ring_y: int) -> None:
+    """Slot i's next window, by the distances from its next box."""
     s[NEXT_WIN_LO_X, i] = s[NEXT_BOX_LO_X, i] - ring_x
     s[NEXT_WIN_HI_X, i] = s[NEXT_BOX_HI_X, i] + ring_x
     s[NEXT_WIN_LO_Y, i] = s[NEXT_BOX_LO_Y, i] - ring_y

@@ -61,7 +61,11 @@ class Step:
         if visible:
             self.said += [("keep_now", slot), ("say", slot, Kind.LOST)]
         leaves = visible and self.may_return and not alone
-        self.said += [("leave" if leaves else "lapse", slot)] + [("keep_until", slot)] * leaves
+        if leaves:
+            self.said += [("c_window", slot), ("keep_window", slot), ("leave", slot), ("keep_until", slot)]
+            self.said += [("keep", slot), ("op_all", slot)]
+        else:
+            self.said.append(("lapse", slot))
         self.states[slot] = "left" if leaves else "free"
 
     def end(self, slot: int) -> None:
@@ -215,6 +219,8 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
             if int(io[port]):
                 wait[name] = int(rng.integers(least, most))
         asks = 0 if int(io.keep_window) else asks + int(io.c_ask)
+        assert int(io.widest) or not int(io.leave)
+        assert not int(io.widest) or not int(io.c_ask)
         if int(io.rests):
             assert not any(due >= control.clocks for due, _ in control.under_way)
             control.clock()  # a life that ends alone ends in the first clock of rest

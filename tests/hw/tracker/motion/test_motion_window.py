@@ -45,6 +45,10 @@ def test_random_boxes() -> None:
         if rng.random() < 0.2:
             slot.axes[1].v = int(rng.choice([-2, 0, 2])) * (slot.axes[0].v // 4)
         slot.set_window()
+        io.widest = int(rng.random() < 0.2)
+        if int(io.widest):
+            for axis in slot.axes:
+                axis.set_box(registers.ring_max)
         for name in RINGS:
             setattr(io, name, getattr(registers, name))
         for axis, suffix in zip(slot.axes, "xy", strict=True):
