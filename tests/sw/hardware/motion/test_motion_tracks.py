@@ -8,12 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import njit
 from numpy.typing import NDArray
 
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel
-from evcot.hardware.motion._velocity import over
+from evcot.hardware.motion import _state
+from evcot.hardware.motion._velocity import _gain, over
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
@@ -53,6 +55,18 @@ def outline(
 
 def records(stream: TickedEvents, registers: MotionRegisters = ON, n_slots: int = 8) -> NDArray[np.void]:
     return CotModel(CotConfig(Shape(n_slots=n_slots, x_w=8, y_w=8), motion=registers)).feed(stream).records
+
+
+@njit(nogil=True)
+def _gain_at(s: NDArray[np.int64], r: NDArray[np.int64], run: int) -> int:
+    return _gain(s, r, 0, 63, run)
+
+
+def _gain_of(run: int, *, meets: int = 0, gain_fast: int = 0) -> int:
+    s = np.zeros((_state.FIELD_COUNT, 1), np.int64)
+    s[_state.MEETS] = meets
+    registers = replace(ON, gain_log2=5, gain_fast=gain_fast)
+    return int(_gain_at(s, np.array(list(vars(registers).values()), np.int64), run))
 
 
 def born(found: NDArray[np.void]) -> int:
@@ -98,6 +112,65 @@ def test_a_silent_velocity_dies_away() -> None:
     silent = found[found["time"] > 405_000]["v_x"]
     assert 0.7 * silent[0] > silent[-1] > 0
     assert (np.diff(silent) <= 0).all()
+
+
+def swing(seed: int, pauses: tuple[tuple[int, int], ...] = ()) -> tuple[TickedEvents, Columns]:
+    """Events of a box that swings, and its way; it sends none during pauses."""
+    t, x, y = outline(seed, (128.0, 60.0), (0.0, 0.0), (8.0, 8.0), 15_000, 2_000_000)
+    way = 60.0 * np.sin(2 * np.pi * t * 1e-6)
+    seen = np.ones(len(t), bool)
+    for begin, end in pauses:
+        seen &= (t < begin) | (t >= end)
+    return events((t[seen], x[seen] + way[seen], y[seen])), (t, 128.0 + way, y)
+
+
+def test_corrections_that_agree_are_followed_sooner() -> None:
+    stream, _ = swing(4)
+    off = {}
+    for fast in (0, 2):
+        found = records(stream, replace(ON, gain_log2=6, gain_slow=0, gain_fast=fast, life_ticks=100_000))
+        found = found[found["time"] > 500_000]
+        speed = 2 * np.pi * 60.0 * np.cos(2 * np.pi * found["time"] * 1e-6)
+        off[fast] = np.abs(found["v_x"] * 1e6 / 1024 / PX - speed).mean()
+    assert off[2] < 0.55 * off[0]
+
+
+def test_the_gain_rises_after_two_that_agree_and_not_beside_another() -> None:
+    runs = list(range(-7, 8))
+    raised = [_gain_of(run, gain_fast=2) for run in runs]
+    assert raised == [2, 2, 2, 3, 4, 5, 5, 5, 5, 5, 4, 3, 2, 2, 2]
+    assert [_gain_of(run, gain_fast=4) for run in runs] == [max(gain, 4) for gain in raised]
+    assert {_gain_of(run, gain_fast=0) for run in runs} == {_gain_of(run, gain_fast=9) for run in runs} == {5}
+    assert {_gain_of(run, gain_fast=2, meets=1) for run in runs} == {6}
+
+
+def test_a_silent_box_goes_on_by_a_part_of_its_way() -> None:
+    t, x, y = outline(2, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 20_000)
+    stream = events((t[t < 500_000], x[t < 500_000], y[t < 500_000]), (np.array([990_000.0]), *(np.array([250.0]),) * 2))
+    went = []
+    for slow in (0, 2):
+        found = records(stream, replace(ON, coast_slow=slow, friction=0, life_ticks=90_000, coast_ticks=90_000))
+        silent = found[(found["time"] > 520_000) & (found["kind"] == Kind.MOVED)]
+        went.append(np.ptp(silent["cm_x"]) / PX)
+    assert went[0] == pytest.approx(150e-6 * 70_000, abs=2.0)
+    assert went[1] == pytest.approx(went[0] / 4, rel=0.1)
+
+
+def test_what_was_lost_goes_on_under_its_id_if_it_returns_in_time_and_there() -> None:
+    pause = (1_160_000, 1_400_000)  # about a turn
+    stream, _ = swing(5, (pause,))
+    for wait, tracks in ((0, 2), (100_000, 2), (400_000, 1)):
+        found = records(stream, replace(ON, gain_fast=2, coast_slow=2, return_ticks=wait))
+        assert born(found) == tracks == len(set(found["track_id"].tolist()))
+        lost = found["time"][found["kind"] == Kind.LOST]
+        assert len(lost) == 1
+        assert pause[0] < lost[0] < pause[1]
+    elsewhere = outline(6, (60.0, 200.0), (0.0, -120.0), (8.0, 8.0), 15_000, 900_000)
+    late = events(
+        (elsewhere[0] + 700_000, elsewhere[1], elsewhere[2]),
+        outline(5, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 15_000, 600_000),
+    )
+    assert born(records(late, replace(ON, return_ticks=2**24 - 1))) == 2
 
 
 @pytest.mark.parametrize("seed", range(4))
