@@ -4,8 +4,8 @@
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    2 clocks and one for each free slot; for each one that lives 68 and one for each slot, and 31 for each other one with four
-//             corrections.
+// Latency:    2 clocks and one for each free slot, 11 for each whose track may return; for each one that lives 68 and one for each slot, and
+//             31 for each other one with four corrections.
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
 // Reset:      waits for a start.
