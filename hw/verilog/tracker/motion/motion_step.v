@@ -154,7 +154,8 @@ module motion_step #(
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
     wire             is_visible = visible[at];
     wire             goes_on    = pause == 3'd0;
-    wire             leaves     = kind == `EVCOT_KIND_LOST && may_return && !alone;  // with the record
+    reg              departs;        // what is lost in a step may return
+    wire             leaves     = kind == `EVCOT_KIND_LOST && departs;  // with the record
 
     assign this_slot = slot[SLOT_W-1:0];
     assign load      = reads;
@@ -167,6 +168,7 @@ module motion_step #(
         if (store_done) stored <= 1'b1;
         shortened <= c_shorten;
         if (shortened) c_reflect <= 1'b1;
+        departs <= may_return && !alone;
         others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
 
         if (!goes_on) pause <= pause - 3'd1;

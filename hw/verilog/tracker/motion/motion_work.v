@@ -128,11 +128,13 @@ module motion_work #(
     wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start, c_resume, c_leaves, returns, ran, widest;
 
     reg begun_1, begun_2;  // what comes with the job is there
+    reg may_return;
 
     assign op_slot = at;
 
     always @(posedge clk) begin
         {begun_2, begun_1} <= rst ? 2'b00 : {begun_1, begun};
+        may_return         <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         if (do_step || do_end) begin
             op_time <= now;
             op_seq  <= seq;
@@ -209,7 +211,7 @@ module motion_work #(
         .appears     (appears),
         .returns     (returns),
         .returned    (returned),
-        .may_return  (regs[`MOTION_RETURN_TICKS] != 24'd0),
+        .may_return  (may_return),
         .touched     (touched),
         .corrections (corrections),
         .load        (c_load),
