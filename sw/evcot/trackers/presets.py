@@ -105,8 +105,9 @@ def _motion() -> RunConfig:
     The registers that differ from those after a reset were found by a search over many kinds of scenes (docs/auto.md).
     """
     registers = MotionRegisters(
-        enable=1, side_shrink=4, gain_log2=5, gain_slow=0, gain_fast=2, settle=6, coast_slow=2, nev_high=325, ring_max=21,
-        life_log2=4, return_ticks=500_000, birth_support=260, birth_px=2, birth_ticks=5_457, birth_travel=2, join_px=3,
+        enable=1, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, coast_slow=2, nev_high=325, ring_max=21, ring_any=2,
+        elongation=3, detect_ticks=7_521, life_log2=2, coast_ticks=93_951, return_ticks=500_000, birth_support=260, birth_px=2,
+        birth_ticks=12_000, birth_travel=2, gap_corrections=21, gap_share=8, join_px=3,
     )  # fmt: skip
     cot = CotConfig(Shape(n_slots=16), motion=registers)
     filters = FilterConfig(refractory_us=1_000, activity_us=5_000)
