@@ -240,7 +240,7 @@ def test_an_access_takes_the_clocks_of_the_header(device: TopDevice) -> None:
     device.read(0)  # what lies between the buses is reset a few clocks longer
     first, again = write(slot_address(0, "radix_max"), 3), write(slot_address(0, "radix_min"), 1)
     run = device.run(commands=[read(0), first, again, read(slot_address(3))])
-    assert (run.commands["ended"] - run.commands["began"]).tolist() == [7, 9 + 23, 9, 7 + 23]
+    assert (run.commands["ended"] - run.commands["began"]).tolist() == [7, 9 + 25, 9, 7 + 25]
 
 
 class TestPython:
