@@ -36,7 +36,7 @@ _WEIGHTS = {
     "second simulator, road": 1.0, "second simulator, shapes": 0.7, "boxes": 0.7, "digits": 1.0, "nothing": 0.6, "discs": 1.2,
     "insects": 0.5, "shake": 0.6, "pendulum, recorded": 0.5, "hand": 0.7,
 }  # fmt: skip
-_FIXED = ("enable", "step_log2", "life_ticks", "speed_max")  # chosen by the scene, or a limit
+_FIXED = ("enable", "step_log2", "speed_max")  # chosen by the scene, or a limit
 _DRAWN_ONCE = ("traffic", "hand", "pendulum, recorded")  # all but the same in every seed set
 _MOST = 4  # recordings of a family and seed set
 _POOL = 8

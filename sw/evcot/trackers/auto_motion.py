@@ -20,7 +20,6 @@ from .presets import PRESETS, fit
 
 __all__ = ["motion_config"]
 
-_LIFE_TICKS = 40_000  # a life is at least so long: an object may pause
 _STEP_PX = 1.25  # of travel in a motion step, of a fast object
 _STEP_LOG2 = (8, 13)
 _SPARE_SLOTS = 4
@@ -41,7 +40,7 @@ def motion_config(seen: Estimates, name: str, base: RunConfig = PRESETS["motion"
     Args:
         base: has the registers that do not depend on the scene.
     """
-    motion = replace(base.cot.motion, life_ticks=_LIFE_TICKS)
+    motion = base.cot.motion
     if seen.objects is not None:
         motion = _in_steps_of(_step_log2(seen.objects), motion)
     cot = CotConfig(Shape(n_slots=_slots(seen.alive_most)), motion=motion)

@@ -51,14 +51,13 @@ def test_what_is_counted_in_steps_takes_the_same_time_whatever_their_length() ->
     assert (longest.friction, longest.join_steps, longest.report_steps) == (4, 1, 1)
 
 
-def test_all_other_registers_are_those_of_the_preset_but_for_the_shortest_life() -> None:
+def test_all_other_registers_are_those_of_the_preset() -> None:
     preset = PRESETS["motion"].cot.motion
     counted = ("step_log2", "friction", "join_steps", "report_steps")
     for seen in (MIXED, ALIKE):
         motion = motion_of(seen)
-        same = replace(motion, **{name: getattr(preset, name) for name in counted}, life_ticks=preset.life_ticks)
+        same = replace(motion, **{name: getattr(preset, name) for name in counted})
         assert same == preset
-        assert motion.life_ticks == 40_000
 
 
 def test_noise_is_filtered_where_it_would_be_a_share_of_an_objects_events() -> None:
@@ -85,7 +84,7 @@ def test_hot_pixels_are_masked() -> None:
 def test_without_objects_the_preset_is_assumed_behind_a_filter_if_there_is_noise() -> None:
     seen = Estimates((346, 260), 20_000, 10, 5.0, ((3, 4),))
     config = config_of(seen)
-    assert config.cot.motion == replace(PRESETS["motion"].cot.motion, life_ticks=40_000)
+    assert config.cot.motion == PRESETS["motion"].cot.motion
     assert (config.filters.activity_us, config.filters.activity_support) == (10_000, 3)
     assert config_of(replace(seen, noise_hz=0.0)).filters.activity_us == 0
 
