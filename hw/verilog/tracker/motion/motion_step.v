@@ -132,18 +132,18 @@ module motion_step #(
     localparam [4:0] UNITE   = 5'd23;
     localparam [4:0] MERGE   = 5'd24;  // waits until two have become one
     localparam [4:0] REPORT  = 5'd25;  // is it time for a record?
-    localparam [4:0] BORN    = 5'd26;
+    localparam [4:0] BORN    = 5'd26;  // becomes visible; as a track that was lost, whose slot becomes free
     localparam [4:0] SAY     = 5'd27;  // hands over a record
     localparam [4:0] LAPSE   = 5'd28;  // the slot becomes free
     localparam [4:0] DONE    = 5'd29;  // writes the slot back
     localparam [4:0] WRITTEN = 5'd30;
-    localparam [4:0] RETURN  = 5'd31;  // it becomes visible as a track that was lost, whose slot becomes free
 
     reg [4:0] state;
     reg [2:0]        pause;          // clocks until the state is gone on with
     reg [SLOT_W:0]   slot, other;    // whose step it is; with which it is compared
     reg              alone;          // a life ends, not in a step
     reg              over, again;    // its time is over; its box has grown since it was first compared
+    reg              back;           // it is a track that was lost
     reg              touching;       // a candidate was united with another one, not with its partner
     reg              stored, shortened, other_older;
     reg [2:0]        places;         // box and window are asked for, when what follows from the lengths is there
@@ -201,6 +201,7 @@ module motion_step #(
                 op_all   <= 1'b0;
                 reads    <= 1'b1;
                 widest   <= 1'b0;
+                back     <= 1'b0;
                 since    <= UNTIL;
                 pause    <= 3'd3;
                 state    <= AGE;
@@ -386,26 +387,20 @@ module motion_step #(
                 state <= overdue ? SAY : DONE;
             end
             BORN: begin
-                kind   <= `EVCOT_KIND_BORN;
-                appear <= appears && !returns;
-                pause  <= appears ? 3'd4 : 3'd0;
-                state  <= appears ? SAY : DONE;
-                if (appears && returns) begin
-                    at    <= returned;
-                    pause <= 3'd3;
-                    state <= RETURN;
-                end
-            end
-            RETURN: begin
-                kind  <= `EVCOT_KIND_MOVED;
-                lapse <= at != this_slot;
-                at    <= this_slot;
-                if (at == this_slot) begin
+                kind <= back ? `EVCOT_KIND_MOVED : `EVCOT_KIND_BORN;
+                if (back && at != this_slot) begin
+                    lapse <= 1'b1;
+                    at    <= this_slot;
+                end else if (back || (appears && !returns)) begin
                     appear <= 1'b1;
-                    resume <= 1'b1;
+                    resume <= back;
                     pause  <= 3'd4;
                     state  <= SAY;
-                end
+                end else if (appears) begin
+                    back  <= 1'b1;
+                    at    <= returned;
+                    pause <= 3'd3;
+                end else state <= DONE;
             end
             SAY:
             if (record_free) begin
