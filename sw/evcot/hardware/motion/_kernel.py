@@ -112,7 +112,7 @@ def restart(s: Table, glob: Table, i: int, out: Table) -> int:
 
 @step
 def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
-    """The motion step of one slot that lives."""
+    """The motion step of one slot that is not free."""
     if now >= s[DEADLINE, i]:
         if s[STATE, i] == VISIBLE:
             n = record(s, i, LOST, glob[SEQ], now, 0, out, n)
@@ -156,7 +156,7 @@ def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> in
 
 @step
 def _lives(s: Table) -> bool:
-    """Whether any slot has a track or a candidate."""
+    """Whether any slot has a candidate, or a track, lost ones that may return among them."""
     for i in range(s.shape[1]):  # noqa: SIM110 (any() would allocate)
         if s[STATE, i] != FREE:
             return True

@@ -30,7 +30,6 @@ from ._state import (
     JOIN_SPEED,
     JOIN_STEPS,
     KEEP_OLDER,
-    LEFT,
     LO_X,
     LO_Y,
     MEETS,
@@ -155,7 +154,8 @@ def join(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Tab
     partner = -1
     if s[CORRECTIONS, i] >= MOVES_FROM:
         for j in range(s.shape[1]):
-            settled = j != i and s[STATE, j] != FREE and s[STATE, j] != LEFT and s[CORRECTIONS, j] >= MOVES_FROM
+            lives = s[STATE, j] == CANDIDATE or s[STATE, j] == VISIBLE
+            settled = j != i and lives and s[CORRECTIONS, j] >= MOVES_FROM
             if settled and _together(s, r, i, j) and _one_object(s, r, i, j):
                 partner = j
                 break

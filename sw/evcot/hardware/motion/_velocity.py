@@ -39,7 +39,7 @@ from ._state import (
     Table,
 )
 
-__all__ = ["advance", "bit_length", "correct_velocity", "over"]
+__all__ = ["advance", "bit_length", "correct_velocity", "gain_log2", "over"]
 
 INVERSES = np.array([round(1024 / (8.5 + m)) for m in range(8)], np.int64)  # 128 / (1 + (m + 1/2) / 8)
 
@@ -83,7 +83,7 @@ def _run(run: int, way: int) -> int:
 
 
 @step
-def _gain(s: Table, r: Table, i: int, done: int, run: int) -> int:
+def gain_log2(s: Table, r: Table, i: int, done: int, run: int) -> int:
     """The gain of an axis, as -log2: it falls with the number of corrections, and rises while these agree in direction.
 
     While the slot meets another, its events may be the other's: the gain is halved, and does not rise.
@@ -109,8 +109,8 @@ def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
         s[RUN_Y, i] = _run(s[RUN_Y, i], d_y)
         shift = r[STEP_LOG2] - 1
         most = r[SPEED_MAX]
-        v_x = s[V_X, i] + over(d_x, ticks, shift - _gain(s, r, i, done, s[RUN_X, i]))
-        v_y = s[V_Y, i] + over(d_y, ticks, shift - _gain(s, r, i, done, s[RUN_Y, i]))
+        v_x = s[V_X, i] + over(d_x, ticks, shift - gain_log2(s, r, i, done, s[RUN_X, i]))
+        v_y = s[V_Y, i] + over(d_y, ticks, shift - gain_log2(s, r, i, done, s[RUN_Y, i]))
         s[V_X, i] = max(-most, min(most, v_x))
         s[V_Y, i] = max(-most, min(most, v_y))
     s[OFF_LO_X, i] = 0
@@ -136,10 +136,10 @@ def advance(s: Table, r: Table, lim: Table, i: int, now: int) -> None:
     """A motion step: box and velocity go on; what has been silent for long slows down, unless another may hide it."""
     v_x = s[V_X, i]
     v_y = s[V_Y, i]
-    tires = not s[MEETS, i] and now - s[LAST, i] > s[USUAL, i] << 1
-    slow = r[COAST_SLOW] if tires else 0
+    silent = not s[MEETS, i] and now - s[LAST, i] > s[USUAL, i] << 1
+    slow = r[COAST_SLOW] if silent else 0
     _move(s, LO_X, HI_X, v_x >> slow, i, lim[REACH])
     _move(s, LO_Y, HI_Y, v_y >> slow, i, lim[REACH])
-    if tires and r[FRICTION]:
+    if silent and r[FRICTION]:
         s[V_X, i] = v_x - (v_x >> r[FRICTION])
         s[V_Y, i] = v_y - (v_y >> r[FRICTION])

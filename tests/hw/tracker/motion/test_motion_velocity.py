@@ -72,7 +72,7 @@ def test_random_corrections() -> None:
         assert found == expected
         limited += sum(abs(v) == most for v in expected)
     assert 200 < limited < 3_800
-    assert len(runs) > 40  # 15 from either side of each, and 15 that end
+    assert len(runs) > 40  # of 45: after each of 15 runs one goes up, down, or nowhere
 
 
 def test_lint() -> None:
