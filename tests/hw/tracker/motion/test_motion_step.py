@@ -254,6 +254,21 @@ def test_random_steps(stalls: bool) -> None:
     assert min(seen.get(name, 0) for name in (*COMMANDS, "leave", "resume")) > 2, seen
 
 
+def test_a_slot_whose_track_may_return_takes_the_clocks_of_the_header() -> None:
+    sim = load("motion_step", {"N": N, "SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS)
+    rng = np.random.default_rng(3)
+    control = Around(sim, rng, COMMANDS, TO_SIDES)
+    control.reset()
+    took = []
+    for left in range(1, N + 1):
+        step = random_step(rng)
+        step.states, step.ended = ["free"] * (N - left) + ["left"] * left, [False] * N
+        sim.io.start, begun = 1, control.clocks
+        run(control, step, rng)
+        took.append(control.clocks - begun)
+    assert np.diff(took).tolist() == [11 - 1] * (N - 1)  # each in place of a free one
+
+
 def test_lint() -> None:
     assert lint("motion_step") == (0, "")
     assert lint("motion_step", N=1, SLOT_W=1) == (0, "")
