@@ -245,7 +245,10 @@ _BOX, _WINDOW = ("box_lo_x", "box_hi_x", "box_lo_y", "box_hi_y"), ("win_lo_x", "
 _MOTION_SLOT = Group(
     "slot {slot}",
     (
-        *(Row(f"u_work.u_order.u_lives.{name}", packed=True, colour=Colour.CONTROL) for name in ("visible", "candidate", "left")),
+        *(
+            Row(f"u_work.u_order.u_lives.{name}", packed=True, colour=Colour.CONTROL)
+            for name in ("visible", "candidate", "left")
+        ),
         *(Row(f"u_events.u_match.g_slot[{{slot}}].{name}", form=Form.SIGNED_PLOT, colour=Colour.PLACE) for name in _BOX),
         *(Row(f"u_events.u_match.g_slot[{{slot}}].{name}", form=Form.SIGNED, colour=Colour.PLACE) for name in _WINDOW),
         *(
