@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+import evcot  # before any test imports Numba, which then keeps its kernels where evcot says
+
 TESTS = Path(__file__).parent
 
 # Collecting makes two million objects that stay. To search them for garbage while they are made, again and again during the
@@ -72,7 +74,6 @@ def kernels() -> None:
 
     import numpy as np
 
-    import evcot
     from evcot_cosim.rtl.build import cache_dir
 
     few = evcot.Events(np.arange(2, dtype=np.int64), *np.zeros((2, 2), np.uint16), np.zeros(2, np.uint8))

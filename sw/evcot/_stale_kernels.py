@@ -12,6 +12,7 @@ import contextlib
 import hashlib
 import json
 import os
+import sys
 from pathlib import Path
 
 __all__ = ["forget_stale_kernels", "keep_kernels_in_cache"]
@@ -22,12 +23,13 @@ Stamps = dict[str, list[int]]  # source, as seen from the package -> time of its
 
 
 def keep_kernels_in_cache() -> None:
-    """Have Numba keep its kernels below $EVCOT_CACHE, where evcot keeps all that it compiles; must precede Numba's import.
+    """Have Numba keep its kernels below $EVCOT_CACHE, where evcot keeps all that it compiles.
 
-    Without EVCOT_CACHE, with a NUMBA_CACHE_DIR of the user's, or where nothing can be written there, Numba chooses.
+    Without EVCOT_CACHE, with a NUMBA_CACHE_DIR of the user's, or where nothing can be written there, Numba chooses; as it does
+    if it has been imported before, since it reads its environment then.
     """
     chosen = os.environ.get("EVCOT_CACHE")
-    if not chosen or os.environ.get("NUMBA_CACHE_DIR"):
+    if not chosen or os.environ.get("NUMBA_CACHE_DIR") or "numba" in sys.modules:
         return
     folder = Path(chosen).absolute() / "numba"
     with contextlib.suppress(OSError):

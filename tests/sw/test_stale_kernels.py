@@ -139,3 +139,14 @@ def test_a_cache_that_cannot_be_written_is_left_alone(tmp_path: Path) -> None:
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert run.stdout.strip() == "None"
+
+
+def test_where_numba_was_imported_first_its_choice_is_left_alone(tmp_path: Path) -> None:
+    """It would not see another: stale kernels would be looked for where there are none."""
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    script = "import os, numba, evcot; print(os.environ.get('NUMBA_CACHE_DIR'))"
+    run = subprocess.run(
+        [sys.executable, "-c", script], env=environment | {"EVCOT_CACHE": str(tmp_path)},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert run.stdout.strip() == "None"
