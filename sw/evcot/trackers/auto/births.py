@@ -39,6 +39,9 @@ _GROWTH = 0.3  # growth of a half side, as a part of the speed
 _LOST_SIGHT = 0.15  # half sides without support, from which an object may be found again elsewhere
 _FOLLOWS = 1.0  # half sides of travel, in which the rest of an object follows its centre over the edge
 _FOUND_WITHIN = 3.0  # half sides
+_STEADY = 5.0  # half sides travelled, from which on an object's speed says how far it can have come
+_AT_MOST = 1.5  # times the speed that is noted, which is what is sure of it
+_FARTHEST = 12.0  # half sides
 _ALIKE = 3.5  # ratio of sizes
 _FILLED = 0.5  # of a sensor: a group that covers more is no object
 
@@ -182,7 +185,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.inside = o.away = -1
     o.meets = False
     o.apart = 0
-    o.unseen_us = 0
+    o.unseen_us = o.lost_us = 0
     o.contrast = np.inf
     o.mass = pixels
     o.support = pixels
@@ -225,7 +228,10 @@ def _find_again(rules: Rules, world: World, box: Table) -> int:
         half = max(s[0, 2], s[1, 2])
         ratio = (width + height) / (2.0 * (s[0, 2] + s[1, 2]))
         away = max(abs(0.5 * (box[0] + box[1]) - s[0, 0]), abs(0.5 * (box[2] + box[3]) - s[1, 0]))
-        away /= half * (_FOUND_WITHIN if o.away >= 0 else _FOUND_WITHIN + o.missed)
+        within = half * (_FOUND_WITHIN if o.away >= 0 else _FOUND_WITHIN + o.missed)
+        if o.travel >= _STEADY:
+            within += min(1e-6 * o.lost_us * _AT_MOST * o.speed, _FARTHEST * half)
+        away /= within
         enters = 0 <= o.away < INSIDE  # as far as its edge cuts it off, it may be small
         if (enters or ratio > 1.0 / _ALIKE) and ratio < _ALIKE and away < least:
             best, least = i, away
@@ -241,7 +247,7 @@ def _resume(world: World, i: int, box: Table) -> None:
         o.edge = o.away if o.away < INSIDE else -1
     if o.away == INSIDE:
         o.name, o.track_id, o.packets, o.path = o.track_id, -1, 0, 0.0
-    o.missed, o.still, o.unseen_us, o.apart, o.away = 0.0, 0.0, 0, 0, -1
+    o.missed, o.still, o.unseen_us, o.lost_us, o.apart, o.away = 0.0, 0.0, 0, 0, 0, -1
     half = max(s[0, 2], s[1, 2])
     for axis in range(2):
         s[axis, 0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])

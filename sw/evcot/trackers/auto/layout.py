@@ -57,6 +57,7 @@ OBJECT = np.dtype(
         ("speed", "<f8"),  # px/s, the greatest of the recent past: the object's unit of velocity
         ("unseen_us", "<i8"),  # time since the last look
         ("missed", "<f8"),  # half sides travelled without support
+        ("lost_us", "<i8"),  # time since the last support
         ("away", "<i8"),  # edge over which it has left the sensor, as for `edge`; INSIDE if it was lost on it; or -1
         ("support", "<i8"),  # events so far
         ("packet_events", "<i8"),

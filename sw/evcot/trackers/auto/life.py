@@ -264,7 +264,7 @@ def _observe(rules: Rules, world: World, i: int, t_us: int) -> None:
     o, s = world.objects[i], world.state[i]
     mass = look(rules, world, i, _meet(world, i), t_us)
     if mass > 0.0 and o.contrast >= _LEAST_CONTRAST:
-        o.missed = 0.0
+        o.missed, o.lost_us = 0.0, 0
     else:
         s[0, 3] = s[1, 3] = 0.0
     o.unseen_us = 0
@@ -306,6 +306,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         i = world.slots[at]
         o = world.objects[i]
         o.packets += 1
+        o.lost_us += lasted_us
         if o.away >= 0:
             o.missed += o.speed * lasted_s / _half(world, i)
             continue

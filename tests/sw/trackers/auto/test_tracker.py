@@ -113,6 +113,17 @@ def test_what_stops_beside_another_is_new_when_it_goes_on() -> None:
     assert len(np.unique(stops_and_goes_on(beside=True).records["track_id"])) == 3
 
 
+@pytest.mark.parametrize(("ran_us", "tracks"), [(800_000, 1), (60_000, 2)])
+def test_what_turns_unseen_is_looked_for_as_far_as_it_can_have_come_if_its_speed_is_known(ran_us: int, tracks: int) -> None:
+    """A disc of 3 px that sends nothing for 0.1 s, in which it flies 20 px at right angles."""
+    x, unseen_us = 60 + 200e-6 * ran_us, 100_000
+    first, then = ring(60, 130, 200, 0, 3, ran_us), ring(x, 130 + 200e-6 * unseen_us, 0, 200, 3, 400_000)
+    log = run(together(first, (then[0] + ran_us + unseen_us, then[1], then[2]), noise(0.2, ran_us + 600_000)))
+    assert len(np.unique(log.records["track_id"])) == tracks
+    (seen,) = sample(log, np.array([ran_us + unseen_us + 350_000]))
+    assert seen["y"] == pytest.approx(130 + 200e-6 * (unseen_us + 350_000), abs=3)
+
+
 def alive(*boxes: tuple[float, float, float], visible: bool = True) -> tuple[Rules, World]:
     """Rules, and a world with objects around y = 100 that move alike; x, half width and half height of each."""
     n = len(boxes)
