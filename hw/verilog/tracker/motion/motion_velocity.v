@@ -3,7 +3,7 @@
 //
 // d·2^-g over the time since the last correction, by the leading bit of that time and the three bits below it, which motion_inverse.v finds.
 // The gain rises with the corrections of the axis that went one way, this one among them. The shift is to the left by up to 7 with the
-// factor of the product, then to the right in whole bytes.
+// factor of the product, then to the right in whole bytes: two of them, four or six, then one.
 //
 // Latency:    3 clocks from an axis' offsets to its run_next, 14 to its v_next.
 // Throughput: an axis per clock.
@@ -31,7 +31,7 @@ module motion_velocity #(
     input  wire signed [3:0]       run_y,      // three clocks after it
     input  wire [4:0]              step_log2,
     input  wire [14:0]             speed_max,
-    input  wire signed [15:0]      v,          // of the axis, 12 clocks later
+    input  wire signed [15:0]      v,          // of the axis, 10 clocks later
 
     output wire                    ran,        // run_next is that of x; in the next clock, of y
     output reg signed [3:0]        run_next,
@@ -42,43 +42,63 @@ module motion_velocity #(
     localparam D_W = OFF_W + 1;  // bits of d
     localparam LOW = 17;         // of its lower part
     localparam P_W = D_W + 15;   // of its product with up to 120 << 7
-    localparam A_W = 41;         // what is left of the product after each of the shifts to the right
-    localparam B_W = 25;
-    localparam C_W = 17;
+    localparam A_W = 25;         // what is left of the product after each of the two shifts to the right
+    localparam B_W = 17;
 
     // (d · inverse) >> k is (d · inverse << 7 - down % 8 << 8) >> 8·(down / 8), k = down - 15.
     reg  [5:0]  most_down, down; // 4 to 59
     reg  [13:0] factor;
-    reg  [2:0]  bytes_5, bytes_6, bytes_7, bytes_8, bytes_9, bytes_10;
+    reg  [2:0]  bytes_5, bytes_6, bytes_7, bytes_8;
+    reg         byte_9;
 
     reg [13:0]               begun;
     reg signed [OFF_W-1:0]   low_1, high_1;
-    // A multiplier is far from other cells: registers on both sides of its wires.
     reg signed [D_W-1:0]     both_1, way_2, way_3, way_4, way_5;
     reg                      low_rises, high_rises, low_less;
-    reg [LOW+13:0]           product_low, low_7;
-    reg signed [P_W-LOW-1:0] product_high, high_7;
     reg signed [P_W-1:0]     product;
     reg signed [A_W-1:0]     part_9;
-    reg signed [B_W-1:0]     part_10;
-    reg signed [C_W-1:0]     part_11, change;
-    reg                      over_9, over_10, over_11, sign_9, sign_10, sign_11;
+    reg signed [B_W-1:0]     part_10, change;
+    reg                      over_9, over_10, sign_9, sign_10;
+    reg signed [15:0]        v_11, sum_13;
     reg signed [17:0]        sum;
+    reg                      above, below;  // what sum_13 comes from is beyond a limit
 
     wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
     wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
-    wire signed [D_W-LOW-1:0] way_high = way_5[D_W-1:LOW];
-    wire signed [P_W+7:0] wide_8   = {product, 8'd0};
+    wire [A_W+47:0]       wide_8   = {{(A_W + 40 - P_W) {sign_8}}, product, 8'd0};
     wire                  sign_8   = product[P_W-1];
     wire signed [3:0]     run      = begun[1] ? run_x : run_y;
     wire [3:0]            size     = run_next[3] ? -run_next : run_next;
     wire [3:0]            raised   = size < 4'd2 ? 4'd0 : size - 4'd2;
     wire signed [17:0]    most     = {3'd0, speed_max};
     reg  signed [17:0]    least;
-    wire signed [17:0]    bound    = sum > most ? most : sum < least ? least : sum;
+    wire [18:0]           over     = {most[17], most} - {sum[17], sum};  // the sign of a difference is a comparison
+    wire [18:0]           under    = {sum[17], sum} - {least[17], least};
+    wire [LOW+15:0]       low_7;   // products of both parts of d
+    wire [D_W-LOW+14:0]   high_7;
 
     assign ran  = begun[2];
     assign turn = begun[13];
+
+    multiplier #(
+        .A_W(LOW + 1),
+        .B_W(15)
+    ) u_low (
+        .clk(clk),
+        .a  ({1'b0, way_5[LOW-1:0]}),
+        .b  ({1'b0, factor}),
+        .p  (low_7)
+    );
+
+    multiplier #(
+        .A_W(D_W - LOW),
+        .B_W(15)
+    ) u_high (
+        .clk(clk),
+        .a  (way_5[D_W-1:LOW]),
+        .b  ({1'b0, factor}),
+        .p  (high_7)
+    );
 
     always @(posedge clk) begin
         most_down <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
@@ -105,38 +125,39 @@ module motion_velocity #(
         factor  <= {7'd0, inverse} << ~down[2:0];
         bytes_5 <= down[5:3];
 
-        product_low  <= way_5[LOW-1:0] * factor;
-        product_high <= way_high * $signed({{(P_W - LOW - 14) {1'b0}}, factor});
-        bytes_6      <= bytes_5;
-
-        low_7   <= product_low;
-        high_7  <= product_high;
+        bytes_6 <= bytes_5;
         bytes_7 <= bytes_6;
 
-        product <= {high_7, {LOW{1'b0}}} + {{(P_W - LOW - 14) {1'b0}}, low_7};
+        product <= {high_7, {LOW{1'b0}}} + {{(P_W - LOW - 16) {1'b0}}, low_7};
         bytes_8 <= bytes_7;
 
         // Beyond 16 bits only the sign of a change counts: no velocity has more.
-        part_9   <= bytes_8[2] ? {{(A_W + 24 - P_W) {sign_8}}, wide_8[P_W+7:32]} : wide_8[A_W-1:0];
-        over_9   <= !bytes_8[2] && wide_8[P_W+7:A_W] != {(P_W + 8 - A_W) {sign_8}};
-        sign_9   <= sign_8;
-        bytes_9  <= bytes_8;
-        part_10  <= bytes_9[1] ? part_9[A_W-1:16] : part_9[B_W-1:0];
-        over_10  <= over_9 || (!bytes_9[1] && part_9[A_W-1:B_W] != {(A_W - B_W) {sign_9}});
-        sign_10  <= sign_9;
-        bytes_10 <= bytes_9;
-        part_11  <= bytes_10[0] ? part_10[B_W-1:8] : part_10[C_W-1:0];
-        over_11  <= over_10 || (!bytes_10[0] && part_10[B_W-1:C_W] != {(B_W - C_W) {sign_10}});
-        sign_11  <= sign_10;
+        case (bytes_8[2:1])
+            2'd0: part_9 <= wide_8[A_W-1:0];
+            2'd1: part_9 <= wide_8[A_W+15:16];
+            2'd2: part_9 <= wide_8[A_W+31:32];
+            2'd3: part_9 <= wide_8[A_W+47:48];
+        endcase
+        over_9  <= !bytes_8[2] && (wide_8[A_W+47:A_W+16] != {32{sign_8}} || (!bytes_8[1] && wide_8[A_W+15:A_W] != {16{sign_8}}));
+        sign_9  <= sign_8;
+        byte_9  <= bytes_8[0];
+        part_10 <= byte_9 ? part_9[A_W-1:8] : part_9[B_W-1:0];
+        over_10 <= over_9 || (!byte_9 && part_9[A_W-1:B_W] != {(A_W - B_W) {sign_9}});
+        sign_10 <= sign_9;
 
-        change <= over_11 || part_11[16] != sign_11 ? (sign_11 ? 17'sh10000 : 17'sh0ffff) : part_11;
-        sum    <= {{2{v[15]}}, v} + {change[16], change};
+        change <= over_10 || part_10[16] != sign_10 ? (sign_10 ? 17'sh10000 : 17'sh0ffff) : part_10;
+        v_11   <= v;
+        sum    <= {{2{v_11[15]}}, v_11} + {change[16], change};
+
         least  <= -most;
-        v_next <= bound[15:0];
+        above  <= over[18];
+        below  <= under[18];
+        sum_13 <= sum[15:0];
+        v_next <= above ? most[15:0] : below ? least[15:0] : sum_13;
         if (rst) begun <= 14'd0;
     end
 
-    wire unused = &{1'b0, bound[17:16], less[D_W-2:0], size[3], bytes_9[2], bytes_10[2:1]};
+    wire unused = &{1'b0, over[17:0], under[17:0], least[17:16], less[D_W-2:0], size[3]};
 
 endmodule
 

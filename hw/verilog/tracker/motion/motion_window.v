@@ -45,10 +45,8 @@ module motion_window #(
     // ---- how long each axis must be: x and y in turn, at any time -----------------------------------------------------------
 
     reg              second, second_1, second_2;  // of the axis that comes, of that before, and before
-    reg [PX_W-1:0]   length;
-    reg [3:0]        factor;             // a multiplier is far from other cells: registers on both sides of its wires
-    reg [PX_W+3:0]   times;
     reg [PX_W+3:0]   times_x, times_y;
+    wire [PX_W+5:0]  times;
 
     // ---- the ring, the box and the window: x, then y ----------------------------------------------------------------------
 
@@ -59,29 +57,39 @@ module motion_window #(
     reg [PX_W-1:0]        base, part;            // what a ring follows from
     reg [3:0]             shift;
     reg [7:0]             ring;
+    reg [8:0]             room;                  // for `part`, within the widest ring, less one pixel
 
     wire signed [SIDE_W-1:0] lo     = step[0] ? lo_y : lo_x;
     wire signed [SIDE_W-1:0] hi     = step[0] ? hi_y : hi_x;
     wire signed [PX_W:0]     sum    = {low[PX_W-1], low} + {high[PX_W-1], high};
-    wire                     crossed = high < low;
+    wire [PX_W:0]            apart  = {high[PX_W-1], high} - {low[PX_W-1], low};
+    wire                     crossed = apart[PX_W];
     wire signed [PX_W-1:0]   first  = crossed ? sum[PX_W:1] : low;
     wire signed [PX_W-1:0]   last   = crossed ? sum[PX_W:1] : high;
     wire                     on_y   = step[1];   // in the second stage
     wire                     short  = on_y ? along_y && !is_long_y : along_x && !is_long_x;  // along the motion, and not long
-    wire [PX_W:0]            far    = {1'b0, part} + {{(PX_W - 7) {1'b0}}, ring_px};
+    wire [7:0]               far    = part[7:0] + ring_px;
+    wire signed [PX_W:0]     spare  = {{(PX_W - 8) {room[8]}}, room} - {1'b0, part};  // negative where the ring is as wide as it may be
     wire signed [PX_W-1:0]   wide   = {{(PX_W - 8) {1'b0}}, ring};
 
     assign box = {low_x, high_x, low_y, high_y};
 
+    multiplier #(
+        .A_W(PX_W + 1),
+        .B_W(5)
+    ) u_times (
+        .clk(clk),
+        .a  ({1'b0, second ? length_y : length_x}),
+        .b  ({1'b0, elongation}),
+        .p  (times)
+    );
+
     always @(posedge clk) begin
         second   <= !second;
         second_1 <= second;
-        length   <= second ? length_y : length_x;
-        factor   <= elongation;
-        times    <= {4'd0, length} * {{PX_W{1'b0}}, factor};
         second_2 <= second_1;
-        if (second_2) times_y <= times;
-        else times_x <= times;
+        if (second_2) times_y <= times[PX_W+3:0];
+        else times_x <= times[PX_W+3:0];
         is_long_x <= {4'd0, length_x} >= times_y;
         is_long_y <= {4'd0, length_y} >= times_x;
 
@@ -100,7 +108,8 @@ module motion_window #(
         base  <= on_y != short ? length_y : length_x;
         shift <= short ? ring_along : along_x || along_y ? ring_across : ring_any;
         part  <= base >> shift;
-        ring  <= !widest && far < {{(PX_W - 7) {1'b0}}, ring_max} ? far[7:0] : ring_max;
+        room  <= {1'b0, ring_max} - {1'b0, ring_px} - 9'd1;
+        ring  <= widest || spare[PX_W] ? ring_max : far;
         if (step[3]) window[4*PX_W-1:2*PX_W] <= {low_x - wide, high_x + wide};
         if (step[4]) window[2*PX_W-1:0] <= {low_y - wide, high_y + wide};
 
@@ -113,7 +122,7 @@ module motion_window #(
         end
     end
 
-    wire unused = &{1'b0, sum[0], lo[10:0], hi[10:0]};
+    wire unused = &{1'b0, sum[0], lo[10:0], hi[10:0], apart, times, spare};
 
 endmodule
 

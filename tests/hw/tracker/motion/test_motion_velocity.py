@@ -61,7 +61,7 @@ def test_random_corrections() -> None:
             io.run_x, io.run_y = (run % 16 for run in before) if clock in (2, 3) else (5, 5)
             io.start = clock == 0
             io.low, io.high = (off % (1 << OFF_W) for off in offsets[clock]) if clock < 2 else (0, 0)
-            io.v = velocities[clock - 12] % (1 << 16) if clock in (12, 13) else 0
+            io.v = velocities[clock - 10] % (1 << 16) if clock in (10, 11) else 0
             assert int(io.ran) == (clock == 3)
             if clock in (3, 4):
                 assert signed(int(io.run_next), 4) == expected_runs[clock - 3]
