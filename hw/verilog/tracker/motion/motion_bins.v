@@ -23,30 +23,52 @@ module motion_bins #(
     input  wire [PLACE_W-1:0] place,
 
     input  wire [PLACE_W-1:0] look,
-    output reg  [BIN_W-1:0]   looked
+    output wire [BIN_W-1:0]   looked
 );
-
-    (* no_rw_check *) reg [BIN_W-1:0] counters[0:(1<<PLACE_W)-1];
 
     reg               writes_1, writes_2, writes_3, clear_1, clear_2;
     reg [PLACE_W-1:0] place_1, place_2, place_3;
-    reg [BIN_W-1:0]   read_1, read_2, look_1;
+    wire [BIN_W-1:0]  read_2;
     reg [BIN_W-1:0]   more_3, more_4, more_5;
     reg [2:0]         is_1, is_2;  // the place is that of the event 1, 2 or 3 before
 
     wire [BIN_W-1:0] known = is_2[0] ? more_3 : is_2[1] ? more_4 : is_2[2] ? more_5 : read_2;
 
-    always @(posedge clk) begin
-        look_1   <= counters[look];
-        looked   <= look_1;
+    // One to count in, one to look at.
+    block_memory #(
+        .W    (BIN_W),
+        .DEPTH(1 << PLACE_W)
+    ) u_counted (
+        .clk          (clk),
+        .write        (writes_3),
+        .write_address(place_3),
+        .write_data   (more_3),
+        .read_enable  (1'b1),
+        .read_address (place),
+        .out_enable   (1'b1),
+        .read_data    (read_2)
+    );
 
-        read_1   <= counters[place];
+    block_memory #(
+        .W    (BIN_W),
+        .DEPTH(1 << PLACE_W)
+    ) u_looked (
+        .clk          (clk),
+        .write        (writes_3),
+        .write_address(place_3),
+        .write_data   (more_3),
+        .read_enable  (1'b1),
+        .read_address (look),
+        .out_enable   (1'b1),
+        .read_data    (looked)
+    );
+
+    always @(posedge clk) begin
         writes_1 <= count || clear;
         clear_1  <= clear;
         place_1  <= place;
         is_1     <= {writes_3 && place_3 == place, writes_2 && place_2 == place, writes_1 && place_1 == place};
 
-        read_2   <= read_1;
         writes_2 <= writes_1;
         clear_2  <= clear_1;
         place_2  <= place_1;
@@ -57,7 +79,6 @@ module motion_bins #(
         place_3  <= place_2;
         more_4   <= more_3;
         more_5   <= more_4;
-        if (writes_3) counters[place_3] <= more_3;
 
         if (rst) begin
             writes_1 <= 1'b0;

@@ -43,7 +43,7 @@ module motion_gaps #(
 );
 
     localparam BIN_W  = 18;         // bits of a count: 255 corrections of 1023 events
-    localparam WIDE_W = PX_W + 16;  // bits of the gap's width, with room for a shift
+    localparam WIDE_W = PX_W + 1;   // bits of the gap's width: 2^(PX_W - 3) pixels a bin at most
 
     // ---- an event ----------------------------------------------------------------------------------------------------
 
@@ -89,8 +89,9 @@ module motion_gaps #(
     reg [2:0]        state;
     reg              wide;
     reg [BIN_W-1:0]  value;
-    reg [BIN_W-1:0]  total, least, below, above;
-    reg [BIN_W-1:0]  share;
+    reg [BIN_W:0]    sum;           // of all events; then of those below the gap, less those above it
+    reg [BIN_W-1:0]  least, share;
+    reg              below, above;  // where the bin lies
     reg              full;     // the value is more than an empty bin has
     reg              any;      // a bin that is not empty was there
     reg [3:0]        run, widest, behind, bin_1, bin_2, bin;
@@ -98,9 +99,11 @@ module motion_gaps #(
     reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
 
     wire             looking = state != WAIT;
+    wire [BIN_W:0]   spare   = {1'b0, least} - {1'b0, looked};  // negative where a bin is not empty
     wire [BIN_W-1:0] looked  = on_y ? looked_y : looked_x;
     wire             there   = at > 5'd2;  // the value of `bin`
     wire             last    = at == 5'd18;
+    wire [BIN_W+1:0] next    = {sum, 1'b1} + {above, above ? ~value : value, above};
 
     always @(posedge clk) begin
         done     <= 1'b0;
@@ -109,17 +112,19 @@ module motion_gaps #(
         bin      <= bin_2;
         log2     <= bin_log2;
         value    <= looked;
-        full     <= looked > least;
-        share    <= total >> gap_share;
+        full     <= spare[BIN_W];
+        share    <= sum[BIN_W-1:0] >> gap_share;
+        below    <= bin_2 < begins;
+        above    <= state == PARTS && bin_2 >= ends;
         if (looking) at <= last ? 5'd0 : at + 5'd1;
         case (state)
             WAIT: begin
                 at    <= 5'd0;
-                total <= {BIN_W{1'b0}};
+                sum   <= {(BIN_W + 1) {1'b0}};
                 if (look) state <= SUM;
             end
             SUM: begin
-                if (there) total <= total + value;
+                if (there) sum <= next[BIN_W+1:1];
                 if (last) state <= LEAST;
             end
             LEAST: begin
@@ -147,22 +152,18 @@ module motion_gaps #(
                 begins <= behind - widest;
                 ends   <= behind;
                 width  <= {{(WIDE_W - 4) {1'b0}}, widest} << log2;
-                below  <= {BIN_W{1'b0}};
-                above  <= {BIN_W{1'b0}};
+                sum    <= {(BIN_W + 1) {1'b0}};
                 at     <= 5'd0;
                 state  <= PARTS;
             end
             PARTS: begin
-                if (there) begin
-                    if (bin < begins) below <= below + value;
-                    if (bin >= ends) above <= above + value;
-                end
+                if (there && (below || above)) sum <= next[BIN_W+1:1];
                 wide <= widest != 4'd0 && width >= {{(WIDE_W - PX_W) {1'b0}}, narrowest};
                 if (last) state <= JUDGE;
             end
             JUDGE: begin
                 found     <= wide;
-                low_stays <= below >= above;
+                low_stays <= !sum[BIN_W];
                 done      <= 1'b1;
                 state     <= WAIT;
             end
@@ -173,6 +174,8 @@ module motion_gaps #(
             done  <= 1'b0;
         end
     end
+
+    wire unused = &{1'b0, next[0], spare};
 
 endmodule
 

@@ -32,21 +32,23 @@ module motion_lives #(
     output reg  [N-1:0]      settled
 );
 
-    always @(posedge clk) begin
-        if (begins) candidate[begins_slot] <= 1'b1;
-        if (seed) settled[at] <= 1'b0;
-        if (seed || lapse) left[at] <= lapse && leave;
-        if (settle) settled[at] <= 1'b1;
-        if (appear) visible[at] <= 1'b1;
-        if (lapse) visible[at] <= 1'b0;
-        if (appear || lapse) candidate[at] <= 1'b0;
-        if (rst) begin
-            visible   <= {N{1'b0}};
-            candidate <= {N{1'b0}};
-            left      <= {N{1'b0}};
-            settled   <= {N{1'b0}};
+    wire ends = appear || lapse;  // the candidate, if it is one
+
+    genvar i;
+    generate
+        for (i = 0; i < N; i = i + 1) begin : g_slot
+            wire here  = at == i[SLOT_W-1:0];
+            wire comes = begins && begins_slot == i[SLOT_W-1:0];
+
+            always @(posedge clk) begin
+                if (here && ends) visible[i] <= appear;
+                if (comes || (here && ends)) candidate[i] <= !(here && ends);
+                if (here && (seed || lapse)) left[i] <= lapse && leave;
+                if (here && (seed || settle)) settled[i] <= settle;
+                if (rst) {visible[i], candidate[i], left[i], settled[i]} <= 4'd0;
+            end
         end
-    end
+    endgenerate
 
 endmodule
 

@@ -51,9 +51,11 @@ module motion_pair #(
     reg                   leads_y;           // the one with more support moves along y
     reg                   agrees, agrees_1;  // velocities differ by no more, on this axis, and on the one before
 
-    wire                  takes_own = weaker == (step[2] || step[3]);
+    reg                   takes_own;         // in this clock
+    wire                  less      = one_support < other_support;
     wire [15:0]           taken     = takes_own ? own_v : v;
-    wire                  slower    = speed < fast;
+    wire [15:0]           faster    = {1'b0, speed} - {1'b0, fast};
+    wire                  slower    = faster[15];
     wire signed [17:0]    most      = {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
     wire signed [17:0]    over      = most - {between[16], between};
     wire signed [17:0]    under     = most + {between[16], between};
@@ -66,6 +68,8 @@ module motion_pair #(
     reg signed [PX_W-1:0]  hi, lo;
     reg signed [GAP_W-1:0] side;
     reg signed [GAP_W-1:0] least;
+    reg [PX_W-1:0]         last_side;
+    reg                    is_longer;           // the second length is not the smaller one
     reg [PX_W-2:0]         half;                // of the smaller length
     reg [PX_W-1:0]         reach;               // the larger length across, then what is as far
     reg [3:0]              reach_down;
@@ -78,7 +82,9 @@ module motion_pair #(
     wire                   other_lo   = part[1] || part[2];
     wire [2*PX_W-1:0]      own_axis   = box_y ? one_box[0+:2*PX_W] : one_box[2*PX_W+:2*PX_W];
     wire [2*PX_W-1:0]      other_axis = box_y ? other_box[0+:2*PX_W] : other_box[2*PX_W+:2*PX_W];
-    wire                   lower      = side < least;
+    wire signed [GAP_W:0]  beyond     = {side[GAP_W-1], side} - {least[GAP_W-1], least};  // the sign of a difference is a comparison
+    wire                   lower      = beyond[GAP_W];
+    wire signed [GAP_W:0]  wider      = {least[GAP_W-1], least} - {3'b000, half};
     wire [PX_W-1:0]        near       = along ? reach : {{(PX_W - 8) {1'b0}}, join_px};
     wire signed [GAP_W-1:0] spare     = least + $signed({1'b0, near});
     wire                   shifted    = fast_down == 4'd0 && reach_down == 4'd0;
@@ -86,7 +92,8 @@ module motion_pair #(
     wire                   judges     = waits && (!along || shifted);
 
     always @(posedge clk) begin
-        weaker <= one_support < other_support;
+        weaker    <= less;
+        takes_own <= less == (step[1] || step[2]);
 
         step     <= {step[3:0], start};
         on_y     <= start || (busy && !on_y);
@@ -110,8 +117,10 @@ module motion_pair #(
         side <= {hi[PX_W-1], hi} - {lo[PX_W-1], lo};
         if (part[2] || (|part[5:3] && lower)) least <= side;
         if (part[4]) half <= least[PX_W-1:1];
-        if (!along && (part[2] || (part[3] && !lower))) reach <= side[PX_W-1:0];
-        if (!along && part[3]) reach_down <= join_reach;
+        last_side <= side[PX_W-1:0];
+        is_longer <= part[3] && !lower;
+        if (!along && (part[2] || is_longer)) reach <= part[2] ? side[PX_W-1:0] : last_side;
+        if (!along && part[4]) reach_down <= join_reach;
         else if (reach_down != 4'd0) begin
             reach      <= {1'b0, reach[PX_W-1:1]};
             reach_down <= reach_down - 4'd1;
@@ -119,7 +128,7 @@ module motion_pair #(
         waits <= part[5] || (waits && !judges);
         last  <= {last[0], judges && along};
         if (judges) begin
-            abreast   <= least >= $signed({2'b00, half});
+            abreast   <= !wider[GAP_W];
             close     <= !spare[GAP_W-1];
             abreast_1 <= abreast;
             close_1   <= close;
@@ -140,7 +149,7 @@ module motion_pair #(
         end
     end
 
-    wire unused = &{1'b0, taken, over[16:0], under[16:0], spare[GAP_W-2:0]};
+    wire unused = &{1'b0, taken, faster, over[16:0], under[16:0], spare[GAP_W-2:0], beyond, wider};
 
 endmodule
 
