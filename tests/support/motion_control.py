@@ -85,7 +85,7 @@ class Control:
         self.was_free, self.was_ready = free, ready
         self.sim.clock.tick()
         self.clocks += 1
-        self.lane = 0 if loads else 1 - self.lane
+        self.lane = 1 if loads else 1 - self.lane
 
     def slot(self) -> int:
         """The slot of what is said in this clock."""

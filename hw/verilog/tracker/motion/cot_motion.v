@@ -8,7 +8,7 @@
 // Registers: `mode` of each slot, off or seeded, and those of motion_regs.v. A write of `mode` restarts the slot before the next
 // token; after one of `step_log2` steps are at multiples of the new length. Others are to be written while the array is idle.
 //
-// Latency:    unstalled, from the clock edge that takes the event: 14 clocks to the owned or passed event; about 50 to its record.
+// Latency:    unstalled, from the clock edge that takes the event: 15 clocks to the owned or passed event; about 50 to its record.
 // Throughput: an event a clock, two more for a correction and 20 for a candidate; where corrections come faster, one in 40 clocks. A
 //             motion step of an empty array takes 5 clocks; see motion_work.v.
 // Stall:      every output is held until accepted.
@@ -86,7 +86,7 @@ module cot_motion #(
     output wire                m_pass_p,
     output wire [SEQ_W-1:0]    m_pass_seq,
 
-    output reg                 idle          // nothing inside, no register write under way; a clock late where it rises
+    output reg                 idle          // nothing inside, no register write under way; two clocks late where it rises
 );
 
     parameter_check #(.OK(N >= `EVCOT_N_SLOTS_MIN && N <= `EVCOT_N_SLOTS_MAX)) N_must_be_1_to_64 ();
@@ -122,7 +122,7 @@ module cot_motion #(
 
     wire [TIME_W-1:0] now, next_step;
     wire              holds, again;
-    wire              q_valid, q_due, q_event, q_skip, q_p, q_empty;
+    wire              q_valid, q_due, q_runs, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
     wire [Y_W-1:0]    q_y;
@@ -150,6 +150,7 @@ module cot_motion #(
         .m_valid  (q_valid),
         .m_ready  (takes_token),
         .m_due    (q_due),
+        .m_runs   (q_runs),
         .m_time   (q_time),
         .m_event  (q_event),
         .m_skip   (q_skip),
@@ -182,9 +183,9 @@ module cot_motion #(
     // ---- what comes next ---------------------------------------------------------------------------------------------
 
     wire             room, output_empty, quiet;
-    wire             active, rests, waits_none, reached, put_valid, put_seed, put_done, puts, steps, ends_life;
+    wire             active, rests, waits_none, reached, put_valid, put_seed, put_done, steps, ends_life;
     wire             job_valid, job_done, job_seed;
-    wire [7:0]       issued;
+    wire [7:0]       issued, following;
     wire             issues, op_ready, takes_op, takes_put;
     wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, end_slot;
     wire [X_W-1:0]   job_x;
@@ -192,7 +193,7 @@ module cot_motion #(
     wire [SUP_W-1:0] job_support;
     wire [TIME_W-1:0] job_time;
     wire [SEQ_W-1:0] job_seq;
-    wire             op_valid, op_read, op_store, op_full, op_put, op_clear;
+    wire             op_valid, op_beside, op_read, op_store, op_full, op_put, op_clear;
     wire [SLOT_W-1:0] op_slot;
     wire [3:0]       op_bin;
     wire [N-1:0]     seeded;
@@ -212,6 +213,7 @@ module cot_motion #(
         .seeded     (seeded),
         .q_valid    (q_valid),
         .q_due      (q_due),
+        .q_runs     (q_runs),
         .q_counts   (q_event || q_skip),
         .room       (room),
         .takes_token(takes_token),
@@ -219,11 +221,13 @@ module cot_motion #(
         .again      (again),
         .issues     (issues),
         .issued     (issued),
+        .following  (following),
         .d_valid    (d_valid),
         .d_time     (d_time),
         .now        (now),
         .next_step  (next_step),
         .op_valid   (op_valid),
+        .op_beside  (op_beside),
         .op_writes  (op_store || op_put),
         .op_ready   (op_ready),
         .takes_op   (takes_op),
@@ -232,7 +236,6 @@ module cot_motion #(
         .put_slot   (put_slot),
         .takes_put  (takes_put),
         .put_done   (put_done),
-        .puts       (puts),
         .puts_slot  (puts_slot),
         .active     (active),
         .waits_none (waits_none),
@@ -243,9 +246,12 @@ module cot_motion #(
         .quiet      (quiet)
     );
 
+    reg none;  // what `idle` says, a clock earlier but for what comes
+
     always @(posedge clk) begin
-        idle <= quiet && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && output_empty && !m_cm_valid && !cfg_valid;
-        if (rst) idle <= 1'b0;
+        none <= quiet && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && output_empty && !m_cm_valid && !cfg_valid;
+        idle <= none && !s_valid && !cfg_valid;
+        if (rst) {none, idle} <= 2'b00;
     end
 
     // ---- events --------------------------------------------------------------------------------------------------------
@@ -363,6 +369,7 @@ module cot_motion #(
         .job_time   (job_time),
         .job_seq    (job_seq),
         .issued     (issued),
+        .following  (following),
         .issues     (issues),
         .reached    (reached),
         .put_valid  (put_valid),
@@ -448,7 +455,7 @@ module cot_motion #(
         .now            (steps ? next_step : now),
         .seq            (seq),
         .rests          (rests),
-        .puts           (puts),
+        .puts           (!holds),
         .put_slot       (puts_slot),
         .visible        (visible),
         .candidate      (candidate),
@@ -456,6 +463,7 @@ module cot_motion #(
         .begins         (begins),
         .begins_slot    (begins_slot),
         .op_valid       (op_valid),
+        .op_beside      (op_beside),
         .op_ready       (op_ready),
         .op_read        (op_read),
         .op_store       (op_store),

@@ -4,7 +4,7 @@
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low; how many clocks lie between two of them
 // is written there.
 //
-// Latency:    from start to done 28 to 49 clocks for a correction, 56 to 225 with a look for gaps; 35 or 36 for a candidate that begins.
+// Latency:    from start to done 27 to 48 clocks for a correction, 55 to 224 with a look for gaps; 35 or 36 for a candidate that begins.
 // Throughput: one at a time.
 // Stall:      waits for its operations, which are taken in the second clock at the latest, for the leading bit of the time and for its
 //             record to be accepted.
@@ -111,28 +111,37 @@ module motion_correct #(
     localparam [4:0] KEPT    = 5'd23;
 
     reg [4:0] state;
-    reg [2:0] pause;             // clocks until the state is gone on with
+    reg [6:0] pause;             // a one for each clock until the state is gone on with
     reg       seeds;             // it is a candidate that begins
     reg       reads;             // the slot is being read
     reg       windowed, stored;  // box and window have been found; the sides have been written
-    wire      goes_on = pause == 3'd0;
+    wire      goes_on = !pause[0];
     wire      op_free = !op_valid || op_ready;
-    wire      turns   = corrections >= 6'd2;  // its velocity is corrected
+    reg       turns;             // its velocity is corrected
+    reg       old;               // and it may be looked at
 
     assign begun = rests && start;
     assign load  = reads;
     assign done  = state == KEPT;
 
+    // As many ones as clocks until the state is gone on with.
+    function [6:0] clocks;
+        input [2:0] number;
+        clocks = ~(7'h7f << number);
+    endfunction
+
     always @(posedge clk) begin
         {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset, c_settle, c_inverse, c_speed} <= 9'd0;
         {c_times, c_count, c_bins, c_window, c_note, look} <= 6'd0;
         {keep, keep_now, keep_until, keep_window, keep_start, say} <= 6'd0;
+        turns <= corrections >= 6'd2;
+        old   <= corrections >= 6'd8;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
         if (window_done) windowed <= 1'b1;
 
-        if (!goes_on) pause <= pause - 3'd1;
-        else case (state)
+        pause <= {1'b0, pause[6:1]};
+        if (goes_on) case (state)
             REST: begin
                 since  <= LAST;
                 at     <= slot;
@@ -143,11 +152,11 @@ module motion_correct #(
                 {op_clear, op_full, op_store, op_read} <= 4'b0001;
                 if (start) begin
                     rests <= 1'b0;
-                    pause <= 3'd1;  // what comes with the job is on its way
+                    pause <= clocks(3'd1);  // what comes with the job is on its way
                     state <= SEED;
                     if (!seed) begin
                         op_valid <= 1'b1;
-                        pause    <= 3'd4;
+                        pause    <= clocks(3'd4);
                         state    <= TICKS;
                     end
                 end
@@ -158,12 +167,12 @@ module motion_correct #(
                 c_seed   <= 1'b1;
                 since    <= SEEDED;
                 keep_now <= 1'b1;
-                pause    <= 3'd1;
+                pause    <= clocks(3'd1);
                 state    <= SEED_1;
             end
             SEED_1: begin
                 c_settle <= 1'b1;
-                pause    <= 3'd5;
+                pause    <= clocks(3'd5);
                 state    <= SEED_2;
             end
             SEED_2: begin
@@ -178,12 +187,12 @@ module motion_correct #(
             LOAD:
             if (read_done) begin
                 reads <= 1'b0;
-                pause <= 3'd2;
+                pause <= clocks(3'd1);
                 state <= !q_meets && shrinks ? SHRINK : OFFSET;
             end
             SHRINK: begin
                 c_shrink <= 1'b1;
-                pause    <= 3'd1;
+                pause    <= clocks(3'd1);
                 state    <= OFFSET;
             end
             OFFSET: begin
@@ -192,13 +201,13 @@ module motion_correct #(
             end
 
             LOOK: begin
-                pause <= 3'd7;
+                pause <= clocks(3'd7);
                 state <= LOOK_AT;
             end
             LOOK_AT: begin
                 c_note <= 1'b1;
-                pause  <= 3'd3;
-                state  <= corrections >= 6'd8 && !resting ? LOOK_GO : LOOKED;
+                pause  <= clocks(3'd3);
+                state  <= old && !resting ? LOOK_GO : LOOKED;
             end
             LOOK_GO:
             if (looks) begin
@@ -206,7 +215,7 @@ module motion_correct #(
                 state <= LOOKING;
             end else begin
                 look_y <= 1'b1;
-                pause  <= 3'd2;
+                pause  <= clocks(3'd2);
                 state  <= look_y ? LOOKED : LOOK_GO;
             end
             LOOKING: if (look_done) state <= gap_found ? CUT : ORDERED;
@@ -214,17 +223,17 @@ module motion_correct #(
             if (!lane) begin
                 c_cut_high <= low_stays;
                 c_cut_low  <= !low_stays;
-                pause      <= 3'd5;
+                pause      <= clocks(3'd5);
                 state      <= ORDER;
             end
             ORDER: begin
                 c_order <= !low_stays;
-                pause   <= 3'd1;  // the command is of this axis for two clocks
+                pause   <= clocks(3'd1);  // the command is of this axis for two clocks
                 state   <= ORDERED;
             end
             ORDERED: begin
                 look_y <= 1'b1;
-                pause  <= 3'd6;
+                pause  <= clocks(3'd6);
                 state  <= look_y ? LOOKED : LOOK_GO;
             end
             LOOKED: begin
@@ -244,17 +253,17 @@ module motion_correct #(
                 c_speed  <= turns;
                 c_settle <= 1'b1;
                 c_times  <= 1'b1;
-                pause    <= turns ? 3'd7 : 3'd2;
+                pause    <= turns ? clocks(3'd7) : clocks(3'd2);
                 state    <= TURN;
             end
             TURN: begin
-                pause <= turns ? 3'd5 : 3'd1;
+                pause <= turns ? clocks(3'd5) : clocks(3'd1);
                 state <= COUNT;
             end
             COUNT: begin
                 c_count    <= 1'b1;
                 keep_start <= corrections == 6'd3;
-                pause      <= turns ? 3'd2 : 3'd1;
+                pause      <= turns ? clocks(3'd2) : clocks(3'd1);
                 state      <= visible ? SAY : PLACE;
             end
             SAY:
@@ -294,7 +303,7 @@ module motion_correct #(
         if (rst) begin
             state    <= REST;
             rests    <= 1'b1;
-            pause    <= 3'd0;
+            pause    <= 7'd0;
             op_valid <= 1'b0;
             reads    <= 1'b0;
         end

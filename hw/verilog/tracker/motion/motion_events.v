@@ -219,7 +219,7 @@ module motion_events #(
     // ---- stages 5 and 6: what it does to its owner ---------------------------------------------------------------------
 
     reg               owned_5, begins_5, shared_5, visible_5, same_5, recent_5;
-    reg               owned_6, begins_6, shared_6;
+    reg               takes, alone_6, begins_6;       // an owner has the event; and its alone; or a candidate may begin
     reg  [SLOT_W-1:0] slot_5, slot_6;
     reg               seeding;                        // a candidate has begun that is not in force
     reg  [SUP_W-1:0]  supports[0:(1<<SLOT_W)-1];
@@ -231,9 +231,8 @@ module motion_events #(
     wire               event_5 = valid[5] && token_5[X_W+Y_W+2];
     wire               event_6 = valid[6] && token_6[X_W+Y_W+2];
     wire               skip_6  = token_6[X_W+Y_W+1];
-    wire               takes   = event_6 && owned_6 && !begins_6;
-    wire               updates = takes && !shared_6 && any_left_6;
-    wire               seeds   = event_6 && owned_6 && begins_6 && !seeding;
+    wire               updates = alone_6 && any_left_6;
+    wire               seeds   = begins_6 && !seeding;
     wire [SUP_W-1:0]   support_next = &support_6 ? support_6 : support_6 + {{(SUP_W - 1) {1'b0}}, 1'b1};
     wire [9:0]         left_next    = left_6 - 10'd1;
     wire [9:0]         left_5       = lefts[slot_5];
@@ -260,9 +259,9 @@ module motion_events #(
         same_5    <= event_5 && owned_5 && slot_4 == slot_5;
         recent_5  <= (updates || op_6[1]) && slot_4 == slot_6;
 
-        owned_6   <= owned_5;
-        begins_6  <= begins_5;
-        shared_6  <= shared_5;
+        takes     <= event_5 && owned_5 && !begins_5;
+        alone_6   <= event_5 && owned_5 && !begins_5 && !shared_5;
+        begins_6  <= event_5 && owned_5 && begins_5;
         slot_6    <= slot_5;
         if (!same_5 || takes) support_6 <= same_5 ? support_next : supports[slot_5];
         if (!same_5 || updates) begin
@@ -290,6 +289,7 @@ module motion_events #(
         d_seq      <= seq;
         if (valid[6] && (event_6 || skip_6)) seq <= seq + {{(SEQ_W - 1) {1'b0}}, 1'b1};
         if (rst) begin
+            {takes, alone_6, begins_6} <= 3'd0;
             seeding <= 1'b0;
             seq     <= {SEQ_W{1'b0}};
             d_valid <= 1'b0;

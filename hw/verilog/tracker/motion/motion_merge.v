@@ -4,7 +4,7 @@
 //
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low.
 //
-// Latency:    66 to 81 clocks from start to done.
+// Latency:    65 to 81 clocks from start to done.
 // Throughput: one at a time.
 // Stall:      waits for its operations, which are taken in the second clock at the latest, and for its records to be accepted.
 // Reset:      waits for a start.
@@ -81,26 +81,31 @@ module motion_merge #(
     localparam [4:0] RETURN  = 5'd8;   // reads the one that stays
     localparam [4:0] READ    = 5'd9;
     localparam [4:0] UNITE   = 5'd10;
-    localparam [4:0] REFLECT = 5'd11;  // how far its sides are from those of the one that goes
-    localparam [4:0] COVER   = 5'd12;  // they cover both
-    localparam [4:0] COVERED = 5'd13;
-    localparam [4:0] BINS    = 5'd14;  // begins new bins
-    localparam [4:0] CLEAR   = 5'd15;  // clears them
-    localparam [4:0] PLACE   = 5'd16;  // box and window
-    localparam [4:0] WINDOW  = 5'd17;
-    localparam [4:0] WRITE   = 5'd18;  // writes it back
-    localparam [4:0] SAY     = 5'd19;  // hands over a record
-    localparam [4:0] WRITTEN = 5'd20;
+    localparam [4:0] COVER   = 5'd11;  // they cover both
+    localparam [4:0] COVERED = 5'd12;
+    localparam [4:0] BINS    = 5'd13;  // begins new bins
+    localparam [4:0] CLEAR   = 5'd14;  // clears them
+    localparam [4:0] PLACE   = 5'd15;  // box and window
+    localparam [4:0] WINDOW  = 5'd16;
+    localparam [4:0] WRITE   = 5'd17;  // writes it back
+    localparam [4:0] SAY     = 5'd18;  // hands over a record
+    localparam [4:0] WRITTEN = 5'd19;
 
     reg [4:0] state;
-    reg [2:0] pause;       // clocks until the state is gone on with
+    reg [6:0] pause;       // a one for each clock until the state is gone on with
     reg       stored;
     reg       reads, unites;  // the one that goes is being read; the one that stays is
-    wire      goes_on = pause == 3'd0;
+    wire      goes_on = !pause[0];
     wire      op_free = !op_valid || op_ready;
 
     assign load  = reads;
     assign unite = unites;
+
+    // As many ones as clocks until the state is gone on with.
+    function [6:0] clocks;
+        input [2:0] number;
+        clocks = ~(7'h7f << number);
+    endfunction
 
     always @(posedge clk) begin
         {c_settle, c_reflect, c_cover, c_bins, c_window, c_take, lapse, done} <= 8'd0;
@@ -108,8 +113,8 @@ module motion_merge #(
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
 
-        if (!goes_on) pause <= pause - 3'd1;
-        else case (state)
+        pause <= {1'b0, pause[6:1]};
+        if (goes_on) case (state)
             REST: begin
                 at     <= this_slot;
                 since  <= UNTIL;
@@ -118,7 +123,7 @@ module motion_merge #(
                 {op_clear, op_put, op_store, op_read} <= 4'b0010;
                 if (start) begin
                     rests <= 1'b0;
-                    pause <= 3'd3;
+                    pause <= clocks(3'd3);
                     state <= GONE;
                     if (stays == this_slot) begin
                         op_valid <= 1'b1;
@@ -147,14 +152,14 @@ module motion_merge #(
             GONE: begin
                 c_take <= 1'b1;
                 at     <= stays;
-                pause  <= 3'd3;
+                pause  <= clocks(3'd3);
                 state  <= STAYS;
             end
             STAYS: begin
                 stays_id <= id;
                 at       <= goes;
                 kind     <= `EVCOT_KIND_MERGED;
-                pause    <= 3'd2;
+                pause    <= clocks(3'd2);
                 state    <= visible[goes] ? SAY_END : END;
             end
             SAY_END:
@@ -181,22 +186,19 @@ module motion_merge #(
             end
             UNITE:
             if (read_done) begin
-                unites <= 1'b0;
-                state  <= REFLECT;
-            end
-            REFLECT: begin
                 c_reflect <= 1'b1;
-                pause     <= 3'd1;
+                unites    <= 1'b0;
+                pause     <= clocks(3'd1);
                 state     <= COVER;
             end
             COVER: begin
                 c_cover <= 1'b1;
-                pause   <= 3'd1;
+                pause   <= clocks(3'd1);
                 state   <= COVERED;
             end
             COVERED: begin
                 c_settle <= 1'b1;
-                pause    <= 3'd5;
+                pause    <= clocks(3'd5);
                 state    <= BINS;
             end
             BINS: begin
@@ -248,7 +250,7 @@ module motion_merge #(
         if (rst) begin
             state    <= REST;
             rests    <= 1'b1;
-            pause    <= 3'd0;
+            pause    <= 7'd0;
             op_valid <= 1'b0;
             reads    <= 1'b0;
             unites   <= 1'b0;

@@ -40,6 +40,7 @@ module motion_order #(
 
     // operations: see motion_events.v
     output wire                    op_valid,
+    output wire                    op_beside,  // of a correction or a candidate, not of a step
     input  wire                    op_ready,
     output wire                    op_read,
     output wire                    op_store,
@@ -70,7 +71,7 @@ module motion_order #(
     input  wire                    low_stays,
     input  wire                    inverse_busy,
     input  wire                    window_done,
-    input  wire                    rubs,
+    input  wire                    meets,
     input  wire                    silent,
     input  wire                    ended,
     input  wire                    older,
@@ -92,6 +93,7 @@ module motion_order #(
     input  wire [5:0]              corrections,
 
     // commands
+    output reg                     loads,      // load, or unite
     output reg                     load,
     output reg                     load_support,
     output reg                     unite,
@@ -159,7 +161,8 @@ module motion_order #(
     assign rests    = k_rests && s_rests;
     assign say      = k_say || s_say || m_say;
     assign kind     = correcting ? `EVCOT_KIND_MOVED : merging ? m_kind : s_kind;
-    assign op_valid = k_valid || s_valid || m_valid;
+    assign op_valid  = k_valid || s_valid || m_valid;
+    assign op_beside = k_valid;
     assign op_read  = (k_valid && k_read) || (s_valid && !s_all) || (m_valid && m_read);
     assign op_store = (k_valid && k_store) || (s_valid && s_all) || (m_valid && m_store);
     assign op_full  = (k_valid && k_full) || (s_valid && s_all) || (m_valid && m_store);
@@ -212,6 +215,7 @@ module motion_order #(
     always @(posedge clk) begin
         at           <= !k_rests ? k_at : merging ? m_at : !s_rests ? s_at : job_slot;
         k_was        <= !k_rests;
+        loads        <= read_next && (k_load || s_load || m_load || m_unite);
         load         <= read_next && (k_load || s_load || m_load);
         load_support <= read_next && (s_load || m_load);
         unite        <= read_next && m_unite;
@@ -304,7 +308,7 @@ module motion_order #(
         .left       (left),
         .settled    (settled),
         .corrections(corrections),
-        .rubs       (rubs),
+        .meets      (meets),
         .silent     (silent),
         .ended      (ended),
         .older      (older),

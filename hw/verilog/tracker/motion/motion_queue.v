@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tokens on their way to the event pipeline: their ticks are added up, and it is seen whether a motion step is due before them.
 //
-// Latency:    4 clocks from the acceptance of a token to m_valid.
+// Latency:    5 clocks from the acceptance of a token to m_valid.
 // Throughput: a token per clock.
-// Stall:      a token is held until accepted; s_ready is low a clock after twelve or more are in the memory, so at most 16 are inside.
+// Stall:      a token is held until accepted; s_ready is low a clock after twelve or more are in the memory, so at most 17 are inside.
 //             Of a token at the output m_due follows next_step only at `again`, a clock later. Nothing comes there while it `holds`.
 // Reset:      becomes empty; time begins at 0.
 // Combinational paths: none.
@@ -34,6 +34,7 @@ module motion_queue #(
     output reg               m_valid,
     input  wire              m_ready,
     output reg               m_due,      // a motion step comes before it
+    output reg               m_runs,     // m_valid, and none does
     output reg  [TIME_W-1:0] m_time,
     output reg               m_event,
     output reg               m_skip,
@@ -59,15 +60,18 @@ module motion_queue #(
     reg [TOKEN_W-1:0] in_2;
     reg [4:0]         written, read;  // tokens, modulo twice the depth
 
+    reg               next_valid;       // the token behind the one at the output
+    reg [TOKEN_W-1:0] next;
+
     wire              gives = (!m_valid && !holds) || m_ready;
+    wire              reads = gives || !next_valid;
     wire              any   = written != read;
     wire [4:0]        level = written - read;
-    wire [TOKEN_W-1:0] token = tokens[read[3:0]];
     // Negative before a step: of the token that comes to the output, and of the one that is there.
-    wire [DUE_W-1:0]  until_step = token[X_W+Y_W+3+:DUE_W] - next_step[DUE_W-1:0];
+    wire [DUE_W-1:0]  until_step = next[X_W+Y_W+3+:DUE_W] - next_step[DUE_W-1:0];
     wire [DUE_W-1:0]  after_step = m_time[DUE_W-1:0] - next_step[DUE_W-1:0];
 
-    assign empty = !in_valid && !in_valid_2 && !any && !m_valid;
+    assign empty = !in_valid && !in_valid_2 && !any && !next_valid && !m_valid;
 
     always @(posedge clk) begin
         in_valid <= s_valid && s_ready;
@@ -86,13 +90,21 @@ module motion_queue #(
             written              <= written + 5'd1;
         end
         s_ready <= level < 5'd12;
-        if (gives) begin
-            m_valid <= any;
-            {m_time, m_event, m_skip, m_x, m_y, m_p} <= token;
-            m_due   <= !until_step[DUE_W-1];
-            if (any) read <= read + 5'd1;
+        if (reads) begin
+            next_valid <= any;
+            next       <= tokens[read[3:0]];
+            read       <= read + {4'd0, any};
         end
-        if (again) m_due <= !after_step[DUE_W-1];
+        if (gives) begin
+            m_valid <= next_valid;
+            {m_time, m_event, m_skip, m_x, m_y, m_p} <= next;
+            m_due   <= !until_step[DUE_W-1];
+            m_runs  <= next_valid && until_step[DUE_W-1];
+        end
+        if (again) begin
+            m_due  <= !after_step[DUE_W-1];
+            m_runs <= m_valid && after_step[DUE_W-1];
+        end
         if (rst) begin
             in_valid   <= 1'b0;
             in_time    <= {TIME_W{1'b0}};
@@ -100,7 +112,9 @@ module motion_queue #(
             read       <= 5'd0;
             s_ready    <= 1'b0;
             in_valid_2 <= 1'b0;
+            next_valid <= 1'b0;
             m_valid    <= 1'b0;
+            m_runs     <= 1'b0;
         end
     end
 

@@ -5,10 +5,10 @@
 // `lane` is high, for one clock, and holds for x, then for y. `ref` of a side is its place at the last correction, carried along by
 // steps, or after `reflect` how far the side is from there; after another one it is the place again.
 //
-// Latency:    from a command: 3 clocks to the sides of x in front, 2 to ref, 1 to the velocity, one more for y; o_* show what is in
-//             front one clock later, side and sum three. After load, with which `lane` goes low, x is in front.
-// Throughput: a command every second clock; shrink and shorten follow the sides as they were 4 clocks before, order and unite
-//             the differences of 2 clocks before.
+// Latency:    from a command: 3 clocks to the sides of x in front, 2 to ref, 1 to the velocity, 3 after seed, one more for y; o_* show
+//             what is in front one clock later, side and sum three. After load, with which `lane` goes high, x is behind.
+// Throughput: a command every second clock; shrink and shorten follow the sides, rub the velocity, as they were 4 clocks before, order
+//             and unite the differences of 2 clocks before.
 // Stall:      none, without a command everything stays.
 // Reset:      none but of lane: nothing is used before it was loaded.
 // Combinational paths: none.
@@ -24,7 +24,7 @@ module motion_sides #(
     input  wire                rst,
 
     // commands
-    input  wire                load,      // takes r_*, m_*, at any time
+    input  wire                load,      // takes r_*, m_*, at any time; they must stay for the next clock
     input  wire                load_refs, // with it: ref as well
     input  wire                seed,      // a square about x, y, at rest
     input  wire                shrink,    // a part inwards, but for marked sides
@@ -90,7 +90,7 @@ module motion_sides #(
     wire order_b  = on_y ? orders : order;
     wire unite_b  = unite || unites;
     wire move_b   = move || moves;
-    wire long_b   = (shorten || shortens) && too_long;
+    wire long_b   = shorten || shortens;
     wire turn_b   = turn || turns;
     wire rub_b    = rub || rubs;
 
@@ -106,25 +106,28 @@ module motion_sides #(
     reg signed [SIDE_W-1:0] lo_a, hi_a, lo_b, hi_b, new_lo, new_hi;
     reg signed [SIDE_W:0]   ref_lo_a, ref_hi_a;
     reg signed [15:0]       v_a, v_part;
+    reg signed [15:0]       v_less, v_slow;    // of the axis behind
     reg signed [SIDE_W:0]   apart;             // of the axis in front, as sum
     reg        [SIDE_W-1:0] part;              // of the axis behind
     reg                     too_long, inverted;
     reg        [SIDE_W-1:0] add_lo, add_hi;    // complements where negative
     reg                     less_lo, less_hi;
+    reg        [SIDE_W-1:0] place;             // of the axis in front, for a seed
+    reg                     loads, takes;       // y is loaded, with its ref
     reg                     from_place, from_middle, hi_from_lo, checks, do_lo, do_hi, checks_b, take_lo, take_hi;
 
     wire              square_b = seed_b || long_b;  // both sides are as far from one place
     wire [SIDE_W-1:0] half     = seed_b ? {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0} : {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0};
-    wire signed [15:0] slow    = rub_b ? v >>> coast_slow : v;
+    wire signed [15:0] slow    = rub_b ? v_slow : v;
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
+    wire [2*SIDE_W-1:0] refs   = load ? m_refs[4*SIDE_W-1:2*SIDE_W] : m_refs[2*SIDE_W-1:0];
     wire [SIDE_W-1:0] at_x     = {{(SIDE_W - 12 - X_W) {1'b0}}, x, 12'd0};
     wire [SIDE_W-1:0] at_y     = {{(SIDE_W - 12 - Y_W) {1'b0}}, y, 12'd0};
     wire [1:0]        mark     = is_y ? marks[3:2] : marks[1:0];
     wire [SIDE_W-1:0] side     = apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0];
-    wire signed [PX_W:0]     apart_px = apart[SIDE_W:12];
-    wire signed [PX_W:0]     most     = {{(PX_W - 11) {1'b0}}, side_max};
-    wire signed [SIDE_W-1:0] base_lo  = from_place ? (lane ? at_y : at_x) : from_middle ? sum[SIDE_W:1] : lo_a;
-    wire signed [SIDE_W-1:0] base_hi  = from_place ? (lane ? at_y : at_x) : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
+    wire [SIDE_W+1:0]        spare    = {{(PX_W - 10) {1'b0}}, side_max, 12'd0} - {apart[SIDE_W], apart};
+    wire signed [SIDE_W-1:0] base_lo  = from_place ? place : from_middle ? sum[SIDE_W:1] : lo_a;
+    wire signed [SIDE_W-1:0] base_hi  = from_place ? place : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
     wire [SIDE_W:0]          sum_lo   = {base_lo, 1'b1} + {add_lo, less_lo};
     wire [SIDE_W:0]          sum_hi   = {base_hi, 1'b1} + {add_hi, less_hi};
 
@@ -136,11 +139,12 @@ module motion_sides #(
     always @(posedge clk) begin
         // behind
         from_place  <= seed_b;
+        place       <= is_y ? at_y : at_x;
         from_middle <= long_b;
         hi_from_lo  <= high_b || order_b;
         checks      <= move_b;
-        do_lo       <= seed_b || (shrink_b && !mark[0]) || low_b || (unite_b && !ref_lo[SIDE_W]) || move_b || long_b;
-        do_hi       <= seed_b || (shrink_b && !mark[1]) || high_b || (unite_b && ref_hi[SIDE_W]) || move_b || long_b
+        do_lo       <= seed_b || (shrink_b && !mark[0]) || low_b || (unite_b && !ref_lo[SIDE_W]) || move_b || (long_b && too_long);
+        do_hi       <= seed_b || (shrink_b && !mark[1]) || high_b || (unite_b && ref_hi[SIDE_W]) || move_b || (long_b && too_long)
                     || (order_b && inverted);
         less_lo     <= seed_b || long_b || unite_b;
         less_hi     <= shrink_b || unite_b;
@@ -161,27 +165,25 @@ module motion_sides #(
         hi_a <= take_hi && taken ? new_hi : hi_b;
 
         // in front, and behind
-        if (!load || lane) begin
+        if (!load || !lane) begin
             ref_lo <= change_a ? {lo_a[SIDE_W-1], lo_a} - ref_lo_a : ref_lo_a;
             ref_hi <= change_a ? {hi_a[SIDE_W-1], hi_a} - ref_hi_a : ref_hi_a;
             {ref_lo_a, ref_hi_a} <= settle || settles ? {(2 * SIDE_W + 2) {1'b0}} : {ref_lo, ref_hi};
         end
-        v      <= v_a;
-        v_part <= friction == 4'd0 ? 16'sd0 : v_a >>> friction;
-        v_a    <= seed_b ? 16'd0 : turn_b ? v_next : rub_b ? v - v_part : v;
+        v      <= from_place ? 16'sd0 : v_a;
+        v_slow <= v_a >>> coast_slow;
+        v_part <= friction == 4'd0 ? 16'sd0 : v >>> friction;
+        v_less <= v_a - v_part;
+        v_a    <= turn_b ? v_next : rub_b ? v_less : v;
 
-        lane <= !lane;
-        if (load) begin
-            {lo_a, hi_a, lo_b, hi_b} <= r_sides;
-            {v, v_a} <= m_v;
-            lane     <= 1'b0;
+        lane  <= !lane || load;
+        loads <= load;
+        takes <= load && load_refs;
+        if (load || loads) begin
+            {lo_b, hi_b} <= load ? r_sides[4*SIDE_W-1:2*SIDE_W] : r_sides[2*SIDE_W-1:0];
+            v            <= load ? m_v[15:0] : m_v[31:16];
         end
-        if (load && load_refs) begin
-            ref_lo_a <= {m_refs[4*SIDE_W-1], m_refs[3*SIDE_W+:SIDE_W]};
-            ref_hi_a <= {m_refs[3*SIDE_W-1], m_refs[2*SIDE_W+:SIDE_W]};
-            ref_lo   <= {m_refs[2*SIDE_W-1], m_refs[SIDE_W+:SIDE_W]};
-            ref_hi   <= {m_refs[SIDE_W-1], m_refs[0+:SIDE_W]};
-        end
+        if ((load && load_refs) || takes) {ref_lo, ref_hi} <= {refs[2*SIDE_W-1], refs[SIDE_W+:SIDE_W], refs[SIDE_W-1], refs[0+:SIDE_W]};
         if (rst) lane <= 1'b0;
     end
 
@@ -194,7 +196,7 @@ module motion_sides #(
         sum      <= {hi_b[SIDE_W-1], hi_b} + {lo_b[SIDE_W-1], lo_b};
         part     <= side >> side_shrink;
         inverted <= apart[SIDE_W];
-        too_long <= apart_px > most || (apart_px == most && |apart[11:0]);
+        too_long <= spare[SIDE_W+1];
         if (lane) begin
             o_sides[2*SIDE_W-1:0] <= {lo_a, hi_a};
             o_refs[2*SIDE_W-1:0]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
@@ -210,7 +212,7 @@ module motion_sides #(
         end
     end
 
-    wire unused = &{1'b0, sum_lo[0], sum_hi[0]};
+    wire unused = &{1'b0, sum_lo[0], sum_hi[0], spare};
 
 endmodule
 

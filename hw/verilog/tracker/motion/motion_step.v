@@ -4,7 +4,7 @@
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    2 clocks and one for each free slot, 11 for each whose track may return; for each one that lives 68 and one for each slot, and
+// Latency:    2 clocks and one for each free slot, 11 for each whose track may return; for each one that lives 67 and one for each slot, and
 //             31 for each other one with four corrections.
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
@@ -46,7 +46,7 @@ module motion_step #(
     input  wire [N-1:0]      left,         // lost, but it may return
     input  wire [N-1:0]      settled,
     input  wire [5:0]        corrections,
-    input  wire              rubs,         // the slot meets no other
+    input  wire              meets,        // the slot meets another
     input  wire              silent,
     input  wire              ended,
     input  wire              older,
@@ -139,7 +139,7 @@ module motion_step #(
     localparam [4:0] WRITTEN = 5'd30;
 
     reg [4:0] state;
-    reg [2:0]        pause;          // clocks until the state is gone on with
+    reg [6:0]        pause;          // a one for each clock until the state is gone on with
     reg [SLOT_W:0]   slot, other;    // whose step it is; with which it is compared
     reg              alone;          // a life ends, not in a step
     reg              over, again;    // its time is over; its box has grown since it was first compared
@@ -152,13 +152,20 @@ module motion_step #(
     wire [N-1:0]     taken      = lives | left;
     reg  [N-1:0]     others;         // that it may be compared with
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
-    wire             is_visible = visible[at];
-    wire             goes_on    = pause == 3'd0;
+    reg              is_visible;     // the slot whose step it is,
+    reg              young;          // and it has less than four corrections
+    wire             goes_on    = !pause[0];
     reg              departs;        // what is lost in a step may return
     wire             leaves     = kind == `EVCOT_KIND_LOST && departs;  // with the record
 
     assign this_slot = slot[SLOT_W-1:0];
     assign load      = reads;
+
+    // As many ones as clocks until the state is gone on with.
+    function [6:0] clocks;
+        input [2:0] number;
+        clocks = ~(7'h7f << number);
+    endfunction
 
     always @(posedge clk) begin
         {c_reflect, c_move, c_rub, c_shorten, c_compare, c_pair, c_part, c_take, c_divide} <= 9'd0;
@@ -168,11 +175,13 @@ module motion_step #(
         if (store_done) stored <= 1'b1;
         shortened <= c_shorten;
         if (shortened) c_reflect <= 1'b1;
-        departs <= may_return && !alone;
+        departs    <= may_return && !alone;
+        is_visible <= visible[this_slot];
+        young      <= corrections < 6'd4;
         others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
 
-        if (!goes_on) pause <= pause - 3'd1;
-        else case (state)
+        pause <= {1'b0, pause[6:1]};
+        if (goes_on) case (state)
             REST: begin
                 alone <= end_life;
                 slot  <= {(SLOT_W + 1) {1'b0}};
@@ -203,7 +212,7 @@ module motion_step #(
                 widest   <= 1'b0;
                 back     <= 1'b0;
                 since    <= UNTIL;
-                pause    <= 3'd3;
+                pause    <= clocks(3'd3);
                 state    <= AGE;
             end
             AGE: begin
@@ -213,38 +222,38 @@ module motion_step #(
             end
             FETCHED:
             if (read_done) begin
-                reads <= 1'b0;
-                state <= AGED;
+                c_reflect <= 1'b1;
+                reads     <= 1'b0;
+                state     <= AGED;
             end
             AGED: begin
-                c_reflect <= 1'b1;
                 kind      <= `EVCOT_KIND_LOST;
-                pause     <= !over && !alone ? 3'd1 : 3'd4;
+                pause     <= !over && !alone ? 7'd0 : clocks(3'd4);
                 state     <= !over && !alone ? MOVE : is_visible ? SAY : LAPSE;
                 c_leave   <= 1'b1;  // of use if it leaves
                 if (!over && !alone && left[at]) begin
                     slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                    pause <= 3'd0;
+                    pause <= 7'd0;
                     state <= NEXT;
                 end
             end
             LAPSE: begin
                 lapse <= 1'b1;
                 slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                pause <= 3'd1;
+                pause <= clocks(3'd1);
                 rests <= alone;
                 state <= alone ? REST : NEXT;
             end
 
             MOVE: begin
-                c_move <= is_visible || corrections >= 6'd4;
-                c_rub  <= (is_visible || corrections >= 6'd4) && rubs && silent;
-                pause  <= 3'd5;
+                c_move <= is_visible || !young;
+                c_rub  <= (is_visible || !young) && !meets && silent;
+                pause  <= clocks(3'd5);
                 state  <= LONG;
             end
             LONG: begin
                 c_shorten <= 1'b1;
-                pause     <= 3'd7;
+                pause     <= clocks(3'd7);
                 state     <= PLACE;
             end
             PLACE: begin
@@ -254,7 +263,7 @@ module motion_step #(
             WINDOW:
             if (window_done) begin
                 keep_window <= 1'b1;
-                other       <= corrections < 6'd4 ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
+                other       <= young ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
                 state       <= SCAN;
                 if (widest) begin
                     lapse      <= 1'b1;
@@ -290,13 +299,13 @@ module motion_step #(
                 c_pair <= alike;
                 since  <= SEEDED;
                 other  <= other + {{SLOT_W{1'b0}}, !alike};
-                pause  <= alike ? 3'd3 : 3'd0;
+                pause  <= alike ? clocks(3'd3) : 7'd0;
                 state  <= alike ? YOUNGER : SCAN;
             end
             YOUNGER: begin
                 c_take <= 1'b1;
                 at     <= this_slot;
-                pause  <= 3'd5;
+                pause  <= clocks(3'd5);
                 state  <= OLDER;
             end
             OLDER: begin
@@ -307,7 +316,7 @@ module motion_step #(
                 c_take   <= other_older;
                 c_divide <= 1'b1;
                 by_life  <= 1'b1;
-                pause    <= 3'd1;
+                pause    <= clocks(3'd1);
                 state    <= STEPS;
             end
             STEPS:
@@ -328,7 +337,7 @@ module motion_step #(
                 c_touch <= 1'b1;
                 again   <= 1'b0;
                 since   <= is_visible ? REPORTED : SEEDED;
-                pause   <= 3'd2;
+                pause   <= clocks(3'd2);
                 state   <= SINCE;
             end
             SINCE: begin
@@ -347,7 +356,7 @@ module motion_step #(
                     at    <= touched;
                     state <= TOUCH;
                 end else begin
-                    pause <= 3'd5;
+                    pause <= clocks(3'd5);
                     state <= BORN;
                 end
             end
@@ -359,7 +368,7 @@ module motion_step #(
             TOUCHED:
             if (read_done) begin
                 at    <= this_slot;
-                pause <= 3'd1;
+                pause <= clocks(3'd1);
                 state <= UNITE;
             end
             UNITE: begin
@@ -394,12 +403,12 @@ module motion_step #(
                 end else if (back || (appears && !returns)) begin
                     appear <= 1'b1;
                     resume <= back;
-                    pause  <= 3'd4;
+                    pause  <= clocks(3'd4);
                     state  <= SAY;
                 end else if (appears) begin
                     back  <= 1'b1;
                     at    <= returned;
-                    pause <= 3'd3;
+                    pause <= clocks(3'd3);
                 end else state <= DONE;
             end
             SAY:
@@ -430,7 +439,7 @@ module motion_step #(
         if (rst) begin
             state    <= REST;
             rests    <= 1'b1;
-            pause    <= 3'd0;
+            pause    <= 7'd0;
             op_valid <= 1'b0;
             reads    <= 1'b0;
             places   <= 3'd0;

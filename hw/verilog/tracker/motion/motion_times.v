@@ -31,7 +31,7 @@ module motion_times #(
     // the usual time between corrections, and the deadline that follows
     input  wire              load,       // takes loaded
     input  wire [23:0]       loaded,
-    input  wire              seed,       // takes detect_ticks for both
+    input  wire              seed,       // the deadline is in detect_ticks
     input  wire              leave,      // the deadline is in return_ticks
     input  wire              correct,    // takes ticks, or a quarter of what they are more
     input  wire              first,
@@ -92,7 +92,6 @@ module motion_times #(
 
         slower_by <= {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
-        if (seed) usual <= detect_ticks;
         if (correct) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
 
         // The time until the deadline is shifted, then limited, then added.

@@ -9,8 +9,8 @@
 // Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
 // Stall:      a step and the end of a life wait for `drained`.
 // Reset:      turns all slots off; the first step is at 2^step_log2.
-// Combinational paths: op_valid -> takes_op; op_valid, reached, put_valid, q_valid, q_due -> takes_put; op_valid, reached, q_valid, q_due,
-//             and q_counts -> takes_token, and issues; put_valid -> puts; put_slot -> puts_slot; reached -> quiet.
+// Combinational paths: op_valid -> takes_op; op_valid, reached, put_valid, q_valid, q_due -> takes_put; op_beside, reached,
+//             q_runs and q_counts -> takes_token, and issues; put_slot -> puts_slot; reached -> quiet.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -31,14 +31,16 @@ module motion_turn #(
 
     // tokens: see motion_queue.v
     input  wire              q_valid,
-    input  wire              q_due,        // a motion step comes before it
+    input  wire              q_due,        // a motion step comes before it,
+    input  wire              q_runs,       // or q_valid, and none does
     input  wire              q_counts,     // it is an event, or one that a filter took out
     input  wire              room,         // for those under way and two more: it is seen a clock later
     output wire              takes_token,
     output reg               holds,        // a motion step is under way: next_step changes, and no token is taken
     output reg               again,        // its last clock
     output wire              issues,       // a token that counts comes in this clock
-    output reg  [7:0]        issued,       // lower bits of the number of the next one
+    output reg  [7:0]        issued,       // lower bits of the number of the next one,
+    output reg  [7:0]        following,    // and of the one behind it
     input  wire              d_valid,      // a token is done
     input  wire [TIME_W-1:0] d_time,
     output reg  [TIME_W-1:0] now,
@@ -46,6 +48,7 @@ module motion_turn #(
 
     // operations
     input  wire              op_valid,
+    input  wire              op_beside,    // one beside events, not within a step
     input  wire              op_writes,
     output wire              op_ready,     // whether there is one or not
     output wire              takes_op,
@@ -56,8 +59,7 @@ module motion_turn #(
     input  wire [SLOT_W-1:0] put_slot,
     output wire              takes_put,
     input  wire              put_done,
-    output wire              puts,         // box and window of puts_slot are being put in force
-    output wire [SLOT_W-1:0] puts_slot,
+    output wire [SLOT_W-1:0] puts_slot,    // which is, or will be next
 
     // work
     input  wire              active,       // a token or an operation is under way
@@ -80,7 +82,7 @@ module motion_turn #(
     reg               put_busy;   // a slot is being put in force,
     reg  [SLOT_W-1:0] putting;    // this one
     reg               drained;
-    reg               has_room;
+    reg               open;       // a token may come: there is room, no bubble, and no life must end
     reg  [N-1:0]      restart;    // `mode` was written
     reg               restarts;
     reg               restep_1, restep_2, restep;  // step_log2 was written, or reset: the next step is set
@@ -94,11 +96,10 @@ module motion_turn #(
     assign op_ready    = !bubble;
     assign takes_op    = op_valid && op_ready;
     assign takes_put   = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
-    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && has_room;
+    assign takes_token = open && !op_beside && !reached && q_runs;
     assign issues      = takes_token && q_counts;
     assign ends_life   = starts && restarts;
     assign steps       = starts && !restarts;
-    assign puts        = put_busy || put_valid;
     assign puts_slot   = put_busy ? putting : put_slot;
     assign quiet       = state == RUN && !reached && !put_busy && !any_restart && !restarts && !restep_1 && !restep_2 && !restep;
 
@@ -112,14 +113,33 @@ module motion_turn #(
         .lowest(lowest_restart)
     );
 
+    wire writes_mode = cfg_valid && cfg_addr == `EVCOT_MREG_MODE;
+
+    genvar i;
+    generate
+        for (i = 0; i < N; i = i + 1) begin : g_slot
+            wire writes = writes_mode && cfg_slot == i[SLOT_W-1:0];
+            wire ends   = ends_life && end_slot == i[SLOT_W-1:0];
+
+            always @(posedge clk) begin
+                if (writes) seeded[i] <= cfg_mode == `EVCOT_MODE_SEEDED;
+                if (writes || ends) restart[i] <= writes;
+                if (rst) {seeded[i], restart[i]} <= 2'b00;
+            end
+        end
+    endgenerate
+
     always @(posedge clk) begin
         bubble   <= (takes_op && op_writes) || takes_put;
-        has_room <= room && state == RUN;  // `stop` blocks tokens for a clock longer
+        open     <= room && state == RUN && !(takes_op && op_writes) && !takes_put && !any_restart;  // `stop` lasts for a clock longer
         if (takes_put) put_busy <= 1'b1;
         if (!put_busy) putting <= put_slot;
         if (put_done) put_busy <= 1'b0;
 
-        if (issues) issued <= issued + 8'd1;
+        if (issues) begin
+            issued    <= following;
+            following <= following + 8'd1;
+        end
         if (d_valid) now <= d_time;
 
         drained <= state == RUN && stop && !active && waits_none && rests && !op_valid && !bubble;
@@ -145,11 +165,6 @@ module motion_turn #(
 
         restarts <= any_restart;
         end_slot <= lowest_restart;
-        if (ends_life) restart[end_slot] <= 1'b0;
-        if (cfg_valid && cfg_addr == `EVCOT_MREG_MODE) begin
-            seeded[cfg_slot]  <= cfg_mode == `EVCOT_MODE_SEEDED;
-            restart[cfg_slot] <= 1'b1;
-        end
 
         step_mask <= ~(20'hfffff << step_log2);
         restep_1  <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
@@ -162,13 +177,12 @@ module motion_turn #(
             bubble   <= 1'b0;
             put_busy <= 1'b0;
             drained  <= 1'b0;
-            has_room <= 1'b0;
+            open     <= 1'b0;
             holds    <= 1'b0;
             again    <= 1'b0;
-            issued   <= 8'd0;
+            issued    <= 8'd0;
+            following <= 8'd1;
             now      <= {TIME_W{1'b0}};
-            seeded   <= {N{1'b0}};
-            restart  <= {N{1'b0}};
             restarts <= 1'b0;
             restep_1 <= 1'b1;
             restep_2 <= 1'b1;

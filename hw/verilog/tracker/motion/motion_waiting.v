@@ -44,7 +44,8 @@ module motion_waiting #(
     output wire [SEQ_W-1:0]  job_seq,
 
     // the next one to be in force
-    input  wire [7:0]        issued,     // lower bits of the number of the event that comes next
+    input  wire [7:0]        issued,     // lower bits of the number of the event that comes next,
+    input  wire [7:0]        following,  // and of the one behind it
     input  wire              issues,     // it comes in this clock
     output reg               reached,    // it must be before that event
     output wire              put_valid,  // it can be
@@ -64,9 +65,8 @@ module motion_waiting #(
     reg [SLOT_W:0]     tail, job, head;         // modulo twice the depth
     reg  [7:0]         put_event;
     reg                waits;                   // the entry that was read is one
-    wire [7:0]         later    = issued + 8'd1;
     wire               is_now   = put_event == issued;
-    wire               is_later = put_event == later;
+    wire               is_later = put_event == following;
 
     assign empty     = head == tail;
     assign job_valid = job != tail;

@@ -45,7 +45,7 @@ module motion_work #(
     input  wire [TIME_W-1:0]   now,
     input  wire [SEQ_W-1:0]    seq,
     output wire                rests,         // nothing is being done
-    input  wire                puts,          // box and window of put_slot are being put in force
+    input  wire                puts,          // box and window of put_slot may be put in force, and no step is under way
     input  wire [SLOT_W-1:0]   put_slot,
 
     // slots
@@ -57,6 +57,7 @@ module motion_work #(
 
     // operations: see motion_events.v
     output wire                op_valid,
+    output wire                op_beside,     // of a job, not of a step
     input  wire                op_ready,
     output wire                op_read,
     output wire                op_store,
@@ -122,19 +123,22 @@ module motion_work #(
     wire [SLOT_W-1:0] touched, returned, this_slot;
     wire [14:0]       speed_x, speed_y;
     wire [1:0]        since;
-    wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
+    wire              c_loads, c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
     wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
-    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start, c_resume, c_leaves, returns, ran, widest;
+    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
+    wire              c_resume, c_leaves, returns, ran, widest;
 
     reg begun_1, begun_2;  // what comes with the job is there
     reg may_return;
+    reg resting;           // the velocity is 0
 
     assign op_slot = at;
 
     always @(posedge clk) begin
         {begun_2, begun_1} <= rst ? 2'b00 : {begun_1, begun};
         may_return         <= regs[`MOTION_RETURN_TICKS] != 24'd0;
+        resting            <= v == 32'd0;
         if (do_step || do_end) begin
             op_time <= now;
             op_seq  <= seq;
@@ -168,6 +172,7 @@ module motion_work #(
         .at          (at),
         .this_slot   (this_slot),
         .op_valid    (op_valid),
+        .op_beside   (op_beside),
         .op_ready    (op_ready),
         .op_read     (op_read),
         .op_store    (op_store),
@@ -187,14 +192,14 @@ module motion_work #(
         .shrinks     (regs[`MOTION_SIDE_SHRINK] != 4'd0),
         .q_meets     (q_meets),
         .look_due    (look_due),
-        .resting     (v == 32'd0),
+        .resting     (resting),
         .looks       (looks),
         .look_done   (look_done),
         .gap_found   (gap_found),
         .low_stays   (low_stays),
         .inverse_busy(inverse_busy),
         .window_done (window_done),
-        .rubs        (!meets),
+        .meets       (meets),
         .silent      (silent),
         .ended       (ended),
         .older       (older),
@@ -214,6 +219,7 @@ module motion_work #(
         .may_return  (may_return),
         .touched     (touched),
         .corrections (corrections),
+        .loads       (c_loads),
         .load        (c_load),
         .load_support(c_load_support),
         .unite       (c_unite),
@@ -272,7 +278,7 @@ module motion_work #(
     always @(posedge clk) begin
         was_read     <= read_done;
         known        <= visible[at] || corrections >= 6'd4;
-        read_sides   <= r_sides;
+        if (read_done) read_sides <= r_sides;
         read_marks   <= r_marks;
         read_support <= r_support;
         if (was_read) other_support <= read_support;
@@ -306,7 +312,7 @@ module motion_work #(
     ) u_sides (
         .clk        (clk),
         .rst        (rst),
-        .load       (c_load || c_unite),
+        .load       (c_loads),
         .load_refs  (c_load),
         .seed       (c_seed),
         .shrink     (c_shrink),
@@ -365,7 +371,7 @@ module motion_work #(
         .puts           (puts),
         .put_slot       (put_slot),
         .take           (begun_2),
-        .load           (c_load || c_unite),
+        .load           (c_loads),
         .load_support   (c_load_support),
         .unite          (c_unite),
         .seed           (c_seed),
@@ -439,7 +445,7 @@ module motion_work #(
         .ended       (ended),
         .ticks       (ticks),
         .silent      (silent),
-        .load        (c_load || c_unite),
+        .load        (c_loads),
         .loaded      (q_usual),
         .seed        (c_seed),
         .leave       (c_leaves),

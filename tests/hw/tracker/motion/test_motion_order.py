@@ -49,7 +49,7 @@ class Order(Control):
         self.wait |= {name: clocks for name, clocks in (("compare", 9), ("ask", 11)) if int(io[name])}
         super().clock()
         if loaded:
-            self.lane = 0
+            self.lane = 1
 
     def job(self, slot: int, corrections: int, *, seed: bool = False) -> list[Said]:
         """A job, and what was said until it was done, that clock and the next one included."""

@@ -13,7 +13,7 @@ from support.testing import PATTERNS, lint
 X_W, Y_W, TICK_W, TIME_W = 5, 4, 6, 24
 FIELDS = ("event", "skip", "x", "y", "p")
 WIDTHS = (1, 1, X_W, Y_W, 1)
-LATENCY, HELD = 4, 16
+LATENCY, HELD = 5, 17
 
 
 def model() -> PyVerilator:
@@ -47,11 +47,12 @@ def test_random_tokens_and_steps(pattern: str) -> None:
         assert int(io.empty) == (not waiting)
         accepted = bool(int(io.s_valid)) and bool(int(io.s_ready))
         begins = False
+        assert int(io.m_runs) <= int(io.m_valid)
         if int(io.m_valid):
             assert (int(io.m_time), *(int(getattr(io, f"m_{name}")) for name in FIELDS)) == waiting[0]
             if hold == 0:
                 is_due = waiting[0][0] >= next_step
-                assert int(io.m_due) == is_due
+                assert (int(io.m_due), int(io.m_runs)) == (is_due, not is_due)
                 due[is_due] += 1
                 begins = rng.random() < (0.3 if is_due else 0.02)
                 io.m_ready = int(not begins and not is_due and next(takes))

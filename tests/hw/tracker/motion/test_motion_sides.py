@@ -112,7 +112,8 @@ def test_random_commands() -> None:
                 axis.ref_lo, axis.ref_hi = was.ref_lo, was.ref_hi
         sim.clock.tick()
         io.load = 0
-        assert int(io.lane) == 0
+        assert int(io.lane) == 1
+        sim.clock.tick()
         name = ""
         for _command in range(12):
             for _clock in range(7):

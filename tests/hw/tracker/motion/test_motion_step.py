@@ -32,7 +32,7 @@ class Step:
     states: list[str]
     corrections: list[int]
     ended: list[bool]
-    rubs: list[bool]
+    meets: list[bool]
     silent: list[bool]
     held: list[bool]
     overdue: list[bool]
@@ -85,7 +85,7 @@ class Step:
             return
         if self.states[this] == "left":
             return
-        self.said += [("c_move", this)] * known + [("c_rub", this)] * (known and self.rubs[this] and self.silent[this])
+        self.said += [("c_move", this)] * known + [("c_rub", this)] * (known and not self.meets[this] and self.silent[this])
         self.said += [("c_shorten", this), ("c_reflect", this), ("c_window", this), ("keep_window", this)]
         partner = self.partner(this)
         if partner is None:
@@ -193,7 +193,7 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
         io.settled = sum(1 << i for i in range(N) if step.corrections[i] >= 4)
         io.corrections = step.corrections[this]
         io.ended = int(step.ended[at]) if control.steady(3) else noise[0]
-        io.rubs, io.silent = int(step.rubs[this]), int(step.silent[this])
+        io.meets, io.silent = int(step.meets[this]), int(step.silent[this])
         io.older = int(step.older[this, other]) if at == this and control.steady(4) else noise[1]
         io.weaker = int(step.weaker[this, other])
         io.alike, io.enough = int(step.alike[this, other]), int(step.enough[this, other])

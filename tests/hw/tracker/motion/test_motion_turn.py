@@ -81,7 +81,9 @@ def test_random_traffic(seed: int) -> None:
         room, reached = rng.random() < 0.9, around.shown and rng.random() < 0.3
         waits, working = bool(around.jobs or around.puts), bool(around.busy or around.op)
         io.q_valid, io.q_due, io.q_counts, io.room = int(around.token), int(around.due), int(around.counts), int(room)
+        io.q_runs = int(around.token and not around.due)
         io.op_valid, io.op_writes = int(bool(around.op)), int(around.op == "writes")
+        io.op_beside = int(bool(around.op) and not stepping)
         io.put_valid, io.reached = int(around.shown), int(reached)
         io.put_slot = put_slot = around.puts[0] if around.shown else int(rng.integers(N))
         kind, time = around.pipe[-1]
@@ -108,10 +110,9 @@ def test_random_traffic(seed: int) -> None:
         again = bool(int(io.again))
         assert int(io.holds) == (stepping > 0)
         assert again == (stepping >= 3 and rested)
-        assert int(io.puts) == (put_busy or around.shown)
         assert not put_busy or int(io.puts_slot) == putting
         assert put_busy or not around.shown or int(io.puts_slot) == put_slot
-        assert (int(io.issued), int(io.now)) == (issued % 256, now)
+        assert (int(io.issued), int(io.following), int(io.now)) == (issued % 256, (issued + 1) % 256, now)
         assert int(io.seeded) == sum(1 << i for i in range(N) if seeded[i])
         assert settled > 5 or int(io.next_step) == next_step
         assert not int(io.quiet) or not (stepping or reached or put_busy or restarts or 5 < settled < 9)

@@ -23,6 +23,7 @@ def test_random_events() -> None:
     puts: list[tuple[int, int, int]] = []
     put_at, waited, done = -9, 0, 0
     for clock in range(20_000):
+        io.following = (issued + 1) % 256
         io.issued, io.issues, io.job_done, io.put_done, io.s_valid = issued % 256, 0, 0, 0, 0
         waits = [number for _, _, number in jobs + puts]
         late = any(number + AFTER < issued for number in waits)
