@@ -31,16 +31,16 @@ module motion_turn #(
 
     // tokens: see motion_queue.v
     input  wire              q_valid,
-    input  wire              q_due,        // a motion step comes before it,
-    input  wire              q_runs,       // or q_valid, and none does
+    input  wire              q_due,        // a motion step comes before it
+    input  wire              q_runs,       // q_valid, and none does
     input  wire              q_counts,     // it is an event, or one that a filter took out
     input  wire              room,         // for those under way and two more: it is seen a clock later
     output wire              takes_token,
     output reg               holds,        // a motion step is under way: next_step changes, and no token is taken
     output reg               again,        // its last clock
     output wire              issues,       // a token that counts comes in this clock
-    output reg  [7:0]        issued,       // lower bits of the number of the next one,
-    output reg  [7:0]        following,    // and of the one behind it
+    output reg  [7:0]        issued,       // lower bits of the number of the next one
+    output reg  [7:0]        following,    // those of the one behind it
     input  wire              d_valid,      // a token is done
     input  wire [TIME_W-1:0] d_time,
     output reg  [TIME_W-1:0] now,

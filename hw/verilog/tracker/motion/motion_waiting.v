@@ -44,8 +44,8 @@ module motion_waiting #(
     output wire [SEQ_W-1:0]  job_seq,
 
     // the next one to be in force
-    input  wire [7:0]        issued,     // lower bits of the number of the event that comes next,
-    input  wire [7:0]        following,  // and of the one behind it
+    input  wire [7:0]        issued,     // lower bits of the number of the event that comes next
+    input  wire [7:0]        following,  // those of the one behind it
     input  wire              issues,     // it comes in this clock
     output reg               reached,    // it must be before that event
     output wire              put_valid,  // it can be
