@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.metrics import evaluate
 from evcot.trackers.auto.estimates import estimate
-from evcot.trackers.auto_registers import AUTO, AUTO_PAPER, auto_config
+from evcot.trackers.auto_registers import auto_config
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import PRESETS, for_sensor
+from evcot.trackers.presets import AUTO, AUTO_PAPER, PRESETS, for_sensor
 from evcot.tracks.log import Kind, TrackLog
 from field import members
 from field.member import Member

@@ -11,16 +11,20 @@ from typing import Any
 import numpy as np
 
 from evcot.errors import ConfigError
+from evcot.events import Recording
 from evcot.filters.config import FilterConfig
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
+from evcot.trackers.presets import AUTO as BY_LOOK
 from evcot.trackers.presets import for_sensor
+from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
 from field import peers
 
-__all__ = ["AUTO", "Contender", "contenders", "more_settings"]
+__all__ = ["AUTO", "COT_AUTO", "Contender", "contenders", "more_settings"]
 
 AUTO = "auto"  # the engine that chooses its settings itself
+COT_AUTO = "cot-auto"  # the golden model with registers that are read off the recording before
 _SPREAD = 0.4  # standard deviation of a changed setting's logarithm
 _CHANGED = 0.4  # share of the settings that are changed
 _TRIES = 100
@@ -39,6 +43,7 @@ class Contender:
         vary: other settings, near given ones or anywhere in sensible ranges.
         masked: whether hot pixels, learned from the whole recording, are taken out before: for trackers that cannot do it.
         peer: whether it is somebody else's.
+        look: settings for a recording, of which all is known before; that takes no time.
     """
 
     name: str
@@ -47,11 +52,12 @@ class Contender:
     vary: Callable[[Any, np.random.Generator], Any]
     masked: bool = True
     peer: bool = False
+    look: Callable[[Any, Recording], Any] = lambda settings, _: settings
 
 
 def contenders(names: list[str] | None = None) -> list[Contender]:
     """Those that are installed; all, or those of the names."""
-    found = [_engine(name) for name in ENGINES]
+    found = [*(_engine(name) for name in ENGINES), _cot_auto()]
     found += [peer for peer in _peers() if importlib.util.find_spec(peer.name.replace("-", "_"))]
     return [one for one in found if names is None or one.name in names]
 
@@ -59,7 +65,7 @@ def contenders(names: list[str] | None = None) -> list[Contender]:
 def more_settings(contender: Contender, count: int, random: np.random.Generator) -> dict[str, Any]:
     """The contender's presets, and `count` more settings, each varied from a preset chosen at random."""
     settings = dict(contender.settings)
-    if contender.name == AUTO:
+    if contender.name in (AUTO, COT_AUTO):
         return settings
     bases = list(contender.settings.values())
     for number in range(count):
@@ -84,6 +90,16 @@ def _engine(name: str) -> Contender:
     if bare:
         own = {"for the sensor": "for the sensor", **own}
     return Contender(name, own, start, _varied_engine, masked=name != AUTO)
+
+
+def _cot_auto() -> Contender:
+    def look(preset: str, recording: Recording) -> tuple[Any, FilterConfig]:
+        return engine_settings("cot", (recording.width, recording.height), preset, look=lambda: [recording.events])
+
+    def start(settings: tuple[Any, FilterConfig], sensor: Sensor) -> Tracker:
+        return ENGINES["cot"].start(*settings, sensor)
+
+    return Contender(COT_AUTO, {BY_LOOK: BY_LOOK}, start, lambda settings, _: settings, masked=False, look=look)
 
 
 def _varied_engine(settings: Any, random: np.random.Generator) -> Any:

@@ -72,7 +72,8 @@ def track(
     Args:
         source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
         engine: one of `ENGINES`.
-        preset: one of `ENGINES[engine].presets`; None: the first, or, for "cot", the one for the sensor.
+        preset: one of `ENGINES[engine].presets`; None: the first, or, for "cot", the one for the sensor. For "cot" also "auto"
+            and "auto-paper": registers by what is seen in the recording, which is then read twice.
         config: a TOML file that overrides the preset.
         settings: an object with all of the engine's settings, in place of preset and file; for "cot" a `RunConfig`.
         filters: those in front of the tracker; None: the preset's.
@@ -87,7 +88,8 @@ def track(
         RecordingError: a file that cannot be read, or holds no events.
     """
     with _blocks(source) as (blocks, sensor):
-        default, own = engine_settings(engine, sensor, preset, Path(config) if config is not None else None)
+        file = Path(config) if config is not None else None
+        default, own = engine_settings(engine, sensor, preset, file, look=lambda: _all_of(source))
         if settings is not None:
             if preset is not None or config is not None:
                 raise ConfigError("settings: must not be given with preset or config")
@@ -169,6 +171,11 @@ def _changed(name: str, settings: Any, changes: Mapping[str, Any]) -> Any:
         if key not in known:
             raise ConfigError(f"{name}.{key}: no such setting: must be one of {', '.join(known)}")
     return replace(settings, **changes)
+
+
+def _all_of(source: Recording | Path | str) -> Iterator[Events]:
+    with _blocks(source) as (blocks, _):
+        yield from blocks
 
 
 @contextmanager

@@ -301,7 +301,27 @@ def test_a_digits_events_lie_in_its_box() -> None:
     assert outside_hz < 1.1  # the noise, at most 1 Hz a pixel, and a few percent of the digit
     x, y = member.truth.objects["x"], member.truth.objects["y"]
     assert np.ptp(x) > 20
-    assert np.ptp(y) == 0
+    assert 4.0 < np.ptp(y) < 7.0  # the row, and the way of the saccades
+
+
+def test_a_digit_is_where_the_truth_follows_its_saccades() -> None:
+    """The middle of the digit's last 20 ms of events is at the centre, which the path alone is not."""
+    if not (SHARED / "nmnist_800.npz").is_file():
+        pytest.skip("nmnist_800.npz is not here")
+    member = digits.digits("apart", 1, (3,))
+    events, truth = member.recording.events, member.truth
+    off_px = []
+    for row in truth.objects:
+        begin, end = np.searchsorted(events.t_us, truth.instants_us[row["frame"]] + np.array([-10_000, 10_000]))
+        off = np.abs(events.x[begin:end] - row["x"]), np.abs(events.y[begin:end] - row["y"])
+        own = (off[0] < row["width"]) & (off[1] < row["height"])
+        if np.count_nonzero(own) >= 200:
+            middle = np.median(events.x[begin:end][own]), np.median(events.y[begin:end][own])
+            off_px.append((middle[0] - row["x"], middle[1] - row["y"]))
+    assert len(off_px) > 100
+    assert np.all(np.std(off_px, axis=0) < 1.5)
+    way = np.ptp(digits._saccades(), axis=1)
+    assert np.all((way > 4.5) & (way < 7.0))
 
 
 def test_the_second_simulators_events_lie_in_its_boxes(monkeypatch: pytest.MonkeyPatch) -> None:

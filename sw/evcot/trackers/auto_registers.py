@@ -7,12 +7,9 @@ from .auto.estimates import Estimates
 from .auto_motion import motion_config
 from .auto_paper import paper_config
 from .config import RunConfig
-from .presets import for_sensor
+from .presets import AUTO, AUTO_PAPER, for_sensor
 
-__all__ = ["AUTO", "AUTO_PAPER", "auto_config", "told"]
-
-AUTO = "auto"  # among presets: the array with motion
-AUTO_PAPER = "auto-paper"  # the array without it, whose windows are squares of one initial size
+__all__ = ["auto_config", "told"]
 
 
 def auto_config(seen: Estimates, name: str = AUTO) -> RunConfig:

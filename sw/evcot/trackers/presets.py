@@ -14,7 +14,11 @@ from .config import RunConfig
 from .rct.config import RctConfig
 from .rct.presets import PRESETS as RCT_PRESETS
 
-__all__ = ["PRESETS", "fit", "for_sensor", "preset", "run_config"]
+__all__ = ["AUTO", "AUTO_PAPER", "PRESETS", "fit", "for_sensor", "preset", "run_config"]
+
+# Beside presets: read off a recording, see `auto_registers`.
+AUTO = "auto"  # the array with motion
+AUTO_PAPER = "auto-paper"  # the array without it, whose windows are squares of one initial size
 
 
 def _paper(name: str, n_ev: int, max_ticks: int) -> RunConfig:

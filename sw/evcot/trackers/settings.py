@@ -3,21 +3,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from ..errors import ConfigError, meant
+from ..events import Events
 from ..filters.config import FilterConfig
 from ..recordings.formats.source import Sensor
 from .config import RunConfig, load_toml, load_tracker
 from .engines import ENGINES
-from .presets import for_sensor
+from .presets import AUTO, AUTO_PAPER, for_sensor
 
 __all__ = ["engine_settings"]
 
 
 def engine_settings(
-    engine: str, sensor: Sensor, preset: str | None = None, config: Path | None = None, *, mark: str = ""
+    engine: str,
+    sensor: Sensor,
+    preset: str | None = None,
+    config: Path | None = None,
+    *,
+    look: Callable[[], Iterable[Events]] | None = None,
+    say: Callable[[str], object] = lambda line: None,
+    mark: str = "",
 ) -> tuple[Any, FilterConfig]:
     """The settings of an engine of `ENGINES`, and the filters in front of it.
 
@@ -25,6 +34,8 @@ def engine_settings(
         sensor: (width, height) in pixels.
         preset: one of the engine's; None: its first, or of "cot" the one for the sensor.
         config: a TOML file that overrides the preset.
+        look: reads the recording; with it, `AUTO` and `AUTO_PAPER` are presets of "cot", too.
+        say: takes a line on what these saw and chose.
         mark: what messages have in front of an argument's name: `--` on the command line.
 
     Raises:
@@ -33,13 +44,26 @@ def engine_settings(
     if engine not in ENGINES:
         raise ConfigError(f"{mark}engine {engine}: must be one of {', '.join(ENGINES)}{meant(engine, ENGINES)}")
     presets = ENGINES[engine].presets
-    if preset not in (None, *presets):
-        rule = f"must be one of {', '.join(presets)} with {mark}engine {engine}"
-        raise ConfigError(f"{mark}preset {preset}: {rule}{meant(str(preset), presets)}")
+    seen = (AUTO, AUTO_PAPER) if engine == "cot" and look else ()
+    if preset not in (None, *presets, *seen):
+        known = (*presets, *seen)
+        raise ConfigError(
+            f"{mark}preset {preset}: must be one of {', '.join(known)} with {mark}engine {engine}{meant(str(preset), known)}"
+        )
     name = preset or (for_sensor(sensor[0]).name if engine == "cot" else next(iter(presets)))
-    settings = presets[name]
+    settings = _as_seen(name, look, sensor, say) if look and name in seen else presets[name]
     if isinstance(settings, RunConfig):
         settings = load_toml(config, settings) if config else settings
         return settings, settings.filters
     filters = ENGINES[engine].filters.get(name, FilterConfig())
     return load_tracker(config, engine, settings, filters) if config else (settings, filters)
+
+
+def _as_seen(name: str, look: Callable[[], Iterable[Events]], sensor: Sensor, say: Callable[[str], object]) -> RunConfig:
+    from .auto.estimates import estimate
+    from .auto_registers import auto_config, told
+
+    seen = estimate(look(), sensor)
+    config = auto_config(seen, name)
+    say(told(seen, config))
+    return config

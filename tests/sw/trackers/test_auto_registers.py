@@ -9,8 +9,8 @@ import pytest
 
 from evcot.filters.config import FilterConfig
 from evcot.trackers.auto.estimates import Estimates
-from evcot.trackers.auto_registers import AUTO, AUTO_PAPER, auto_config, told
-from evcot.trackers.presets import PRESETS
+from evcot.trackers.auto_registers import auto_config, told
+from evcot.trackers.presets import AUTO, AUTO_PAPER, PRESETS
 from support.scene_estimates import MIXED
 
 

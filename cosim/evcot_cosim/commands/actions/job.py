@@ -14,9 +14,9 @@ from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.trackers.auto.estimates import Estimates, estimate
-from evcot.trackers.auto_registers import AUTO, AUTO_PAPER, auto_config, told
+from evcot.trackers.auto_registers import auto_config, told
 from evcot.trackers.config import RunConfig, load_toml, without_motion
-from evcot.trackers.presets import fit, run_config
+from evcot.trackers.presets import AUTO, AUTO_PAPER, fit, run_config
 
 from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, compile_model, stalls_from

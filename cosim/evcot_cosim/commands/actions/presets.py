@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from evcot.filters.config import FilterConfig
-from evcot.trackers.auto_registers import AUTO, AUTO_PAPER
 from evcot.trackers.engines import ENGINES, Engine
-from evcot.trackers.presets import PRESETS
+from evcot.trackers.presets import AUTO, AUTO_PAPER, PRESETS
 
 from ...tables import print_table
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, replace
 from typing import Any
 
 from evcot.errors import ConfigError, meant
+from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.ranges import read_pair, read_value
 from evcot.trackers.auto.estimates import seen_by
@@ -21,9 +22,19 @@ from evcot.tracks.tracking import Tracker
 __all__ = ["configured", "plain", "say_seen"]
 
 
-def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[Any, FilterConfig]:
-    """The engine's settings and the filters in front: the preset, with the file's and then the options' changes."""
-    settings, filters = engine_settings(options.engine, sensor, options.preset, options.config, mark="--")
+def configured(
+    options: argparse.Namespace, sensor: tuple[int, int], look: Callable[[], Iterable[Events]] | None = None
+) -> tuple[Any, FilterConfig]:
+    """The engine's settings and the filters in front: the preset, with the file's and then the options' changes.
+
+    Args:
+        look: see `engine_settings`; what registers were read off it is said on stderr.
+    """
+    quiet = getattr(options, "quiet", False)
+    settings, filters = engine_settings(
+        options.engine, sensor, options.preset, options.config,
+        look=look, say=lambda line: None if quiet else print(line, file=sys.stderr), mark="--",
+    )  # fmt: skip
     if isinstance(settings, RunConfig):
         if options.set:
             raise ConfigError("--set: must not be given with --engine cot: its registers stand in the file of --config")
