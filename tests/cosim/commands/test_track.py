@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import evcot
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import apply
 from evcot.hardware.cot import track as cot_track
@@ -18,6 +19,7 @@ from evcot.scenes.registry import simulate_scene
 from evcot.trackers.auto.config import AutoConfig
 from evcot.trackers.auto.estimates import estimate
 from evcot.trackers.auto.tracker import track as auto_track
+from evcot.trackers.auto_registers import auto_config, told
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import fit, preset
@@ -93,6 +95,30 @@ def test_the_hardware_s_model_takes_a_preset_of_the_hardware(source: Path) -> No
     for options in ((), ("--preset", "davis346")):
         log = tracked(source, "--engine", "cot", *options)
         assert_same(log, cot_track(recording, config.cot))
+
+
+@pytest.mark.parametrize("name", ["auto", "auto-paper"])
+def test_the_hardware_s_model_takes_registers_by_what_is_seen(
+    source: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    recording = read_recording(source)
+    seen = estimate([recording.events], (346, 260))
+    config = auto_config(seen, name)
+    log = tracked(source, "--engine", "cot", "--preset", name)
+    assert capsys.readouterr().err == ""  # with -q
+    model = ENGINES["cot"].start(config, config.filters, (346, 260))
+    records, owner = model.feed(recording.events)
+    assert np.array_equal(log.records, np.concatenate((records, model.finish())))
+    assert np.array_equal(log.owner, owner)
+    assert_same(evcot.track(source, "cot", name), log)
+    assert main(["track", str(source), "--engine", "cot", "--preset", name]) == 0
+    assert told(seen, config) in capsys.readouterr().err.splitlines()
+
+
+def test_nothing_is_seen_for_registers_before_a_stream_begins(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["live", str(source), "--engine", "cot", "--preset", "auto"]) == 2
+    assert "--preset auto: must be one of slow, " in (said := capsys.readouterr().err)
+    assert said.count("\n") == 1
 
 
 @pytest.mark.parametrize("engine", ["rct", "cot"])

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""cell_memory.v: the last event of each cell around an event, and whether that is stored, against a record of all cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
+from support.testing import lint
+
+TOP = "cell_memory"
+WIDTH, HEIGHT, X_W, Y_W, STEP_W, DATA_W = 26, 11, 5, 4, 7, 12
+SIDES = [(1, 9), (2, 7), (4, 5)]  # of a cell in pixels, bits of a stamp
+
+
+class Wanted(NamedTuple):
+    """What belongs to a token."""
+
+    data: int
+    inside: bool
+    stays: bool
+    ages: dict[int, int] | None  # bank -> age, of those that may support; None if nothing was asked
+
+
+@dataclass
+class Memory:
+    """The hardware, clock by clock, beside the time and the place of each cell's last stored event."""
+
+    side: int
+    stamp_w: int
+    silence: int
+    now: int = 0
+    last: dict[tuple[int, int], tuple[int, int, int]] = field(default_factory=dict)  # cell -> time, x, y
+    waiting: list[Wanted] = field(default_factory=list)
+    kinds: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("stored", "silent", "supported", "other pixel"), 0))
+
+    def __post_init__(self) -> None:
+        shape = {"X_W": X_W, "Y_W": Y_W, "WIDTH": WIDTH, "HEIGHT": HEIGHT, "STEP_W": STEP_W, "DATA_W": DATA_W}
+        self.sim = load(TOP, {**shape, "CELL_PX": self.side})
+        self.keep = 3 << self.stamp_w - 2
+        self.sim.io.advance, self.sim.io.silence = 1, self.silence
+        reset(self.sim)
+        self.cleared_after = 0
+        while not self.sim.io.idle:
+            self.clock()
+            self.cleared_after += 1
+
+    def clock(self, advance: bool = True) -> None:
+        io = self.sim.io
+        io.advance = int(advance)
+        if io.m_valid and advance:
+            self.compare(self.waiting.pop(0))
+        self.sim.clock.tick()
+
+    def compare(self, wanted: Wanted) -> None:
+        io, mask = self.sim.io, (1 << self.stamp_w) - 1
+        assert (int(io.m_data), bool(io.m_inside), bool(io.m_stays)) == wanted[:3]
+        if wanted.ages is None:
+            return
+        reached = {bank for bank in range(16) if int(io.m_reached) >> bank & 1}
+        young = {bank: age for bank in reached if (age := int(io.m_age) >> bank * self.stamp_w & mask) < self.keep}
+        assert young == {bank: age for bank, age in wanted.ages.items() if age < self.keep}
+
+    def offer(self, step: int, access: bool, x: int, y: int, data: int) -> bool:
+        """Put a token on offer for the coming clock; whether that takes it."""
+        io = self.sim.io
+        io.s_valid, io.s_step, io.s_access, io.s_x, io.s_y, io.s_data = 1, step, int(access), x, y, data
+        if not io.s_ready:
+            return False
+        self.now += step
+        inside, cell = x < WIDTH and y < HEIGHT, (x // self.side, y // self.side)
+        ages, stays = {}, access and inside
+        if stays:
+            for column in range(cell[0] - 1, cell[0] + 2):
+                for row in range(cell[1] - 1, cell[1] + 2):
+                    then, *place = self.last.get((column, row), (None, x, y))
+                    if then is not None and ((column, row) != cell or place != [x, y]):
+                        ages[4 * (row % 4) + column % 4] = self.now - then
+                        self.kinds["other pixel" if (column, row) == cell else "supported"] += 1
+            then, *place = self.last.get(cell, (None, x, y))
+            stays = not (then is not None and place == [x, y] and self.now - then < self.silence)
+            self.kinds["stored" if stays else "silent"] += 1
+            if stays:
+                self.last[cell] = self.now, x, y
+        self.waiting.append(Wanted(data, inside, stays, ages if access and inside else None))
+        return True
+
+
+@pytest.mark.parametrize("cell_px", [3, 8])
+def test_refuses_cells_of_other_sides(cell_px: int) -> None:
+    code, log = lint(TOP, CELL_PX=cell_px)
+    assert code != 0
+    assert "CELL_PX_must_be_1_or_2_or_4" in log
+
+
+@pytest.mark.parametrize("side", [1, 2, 4])
+def test_lints_clean(side: int) -> None:
+    assert lint(TOP, CELL_PX=side) == (0, "")
+
+
+@pytest.mark.parametrize(("side", "stamp_w"), SIDES)
+def test_what_is_read_and_stored_is_that_of_a_record_without_end(side: int, stamp_w: int) -> None:
+    memory = Memory(side, stamp_w, silence=3 << stamp_w - 4)
+    squares = -(-WIDTH // (4 * side)) * -(-HEIGHT // (4 * side))
+    assert memory.cleared_after + 1 == squares + 8  # with the last clock of the reset
+    for run, (busy, rate, freely, spread) in enumerate(
+        [(1.0, 0.2, 1.0, 2), (0.6, 1, 0.7, 5), (0.4, 1, 1.0, 27), (0.9, 9, 0.6, 5)]
+    ):
+        rng = np.random.default_rng([31, side, run])
+        offering = False
+        for _ in range(700):
+            if not offering and rng.random() < busy:
+                step = min((1 << STEP_W) - 1, int(rng.poisson(rate)))
+                at = int(rng.integers(WIDTH + 1)) // spread * spread, int(rng.integers(HEIGHT + 1)) // spread * spread
+                x, y = (min(place + int(rng.integers(2)), end) for place, end in zip(at, (WIDTH, HEIGHT), strict=True))
+                token = step, bool(rng.random() < 0.9), x, y, int(rng.integers(1 << DATA_W))
+                offering = True
+            advance = bool(rng.random() < freely)
+            memory.sim.io.advance = int(advance)
+            taken = offering and memory.offer(*token)
+            memory.sim.io.s_valid = int(offering)
+            memory.clock(advance)
+            offering = offering and not taken
+        memory.sim.io.s_valid = 0
+        for _ in range(60):
+            memory.clock()
+        assert memory.sim.io.idle
+        assert memory.waiting == []
+    print(memory.kinds)
+    assert all(count > 60 for name, count in memory.kinds.items() if name != "other pixel")
+    assert memory.kinds["other pixel"] == 0 if side == 1 else memory.kinds["other pixel"] > 60
+
+
+@pytest.mark.parametrize(("side", "stamp_w"), SIDES)
+def test_silence_is_measured_from_the_last_event_that_was_stored(side: int, stamp_w: int) -> None:
+    """At distances of 1 to 9 clocks: up to five clocks apart, they are corrected on the way."""
+    silence = 6
+    for between in range(9):
+        memory = Memory(side, stamp_w, silence)
+        for step, stays in ((0, True), (silence - 1, False), (1, True), (silence, True)):
+            assert memory.offer(step, True, 6, 5, 1)
+            assert memory.waiting[-1].stays == stays
+            memory.clock()
+            memory.sim.io.s_valid = 0
+            for _ in range(between):
+                memory.clock()
+        while not memory.sim.io.idle:
+            memory.clock()
+        assert memory.waiting == []
