@@ -121,7 +121,7 @@ module cot_motion #(
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
     wire [TIME_W-1:0] now, next_step;
-    wire              holds, again;
+    wire              holds;
     wire              q_valid, q_due, q_runs, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
@@ -146,7 +146,6 @@ module cot_motion #(
         .s_p      (s_p),
         .next_step(next_step),
         .holds    (holds),
-        .again    (again),
         .m_valid  (q_valid),
         .m_ready  (takes_token),
         .m_due    (q_due),
@@ -211,14 +210,12 @@ module cot_motion #(
         .cfg_mode   (cfg_data[1:0]),
         .step_log2  (regs[`MOTION_STEP_LOG2]),
         .seeded     (seeded),
-        .q_valid    (q_valid),
         .q_due      (q_due),
         .q_runs     (q_runs),
         .q_counts   (q_event || q_skip),
         .room       (room),
         .takes_token(takes_token),
         .holds      (holds),
-        .again      (again),
         .issues     (issues),
         .issued     (issued),
         .following  (following),
@@ -246,20 +243,24 @@ module cot_motion #(
         .quiet      (quiet)
     );
 
-    reg none;  // what `idle` says, a clock earlier but for what comes
+    reg none;   // what `idle` says, a clock earlier but for what comes
+    reg waits;  // a slot has begun to wait for work
 
     always @(posedge clk) begin
-        none <= quiet && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && output_empty && !m_cm_valid && !cfg_valid;
-        idle <= none && !s_valid && !cfg_valid;
+        waits <= d_corrects || d_seeds;
+        none  <= quiet && q_empty && !s_valid && !active && rests && !waits && !job_valid && !op_valid && output_empty && !m_cm_valid && !cfg_valid;
+        idle  <= none && !s_valid && !cfg_valid;
         if (rst) {none, idle} <= 2'b00;
     end
 
     // ---- events --------------------------------------------------------------------------------------------------------
 
-    // A candidate begins in a free slot, else in one whose track may return.
-    wire [N-1:0] empty = seeded & ~(visible | candidate);
-    reg  [N-1:0] may_begin;
-    always @(posedge clk) may_begin <= |(empty & ~left) ? empty & ~left : empty;
+    // Free slots; of these, without a track that may return.
+    reg [N-1:0] empty, fresh;
+    always @(posedge clk) begin
+        empty <= seeded & ~(visible | candidate);
+        fresh <= seeded & ~(visible | candidate | left);
+    end
 
     motion_events #(
         .N      (N),
@@ -313,7 +314,8 @@ module cot_motion #(
         .regs       (regs),
         .visible    (visible),
         .candidate  (candidate),
-        .may_begin  (may_begin),
+        .fresh      (fresh),
+        .empty      (empty),
         .begins     (begins),
         .begins_slot(begins_slot),
         .d_valid    (d_valid),
@@ -596,6 +598,8 @@ module cot_motion #(
         .room        (room),
         .empty       (output_empty)
     );
+
+    wire unused = &{1'b0, q_valid};  // what is there is due, or runs
 
 endmodule
 

@@ -78,9 +78,9 @@ module motion_axis #(
     // The sign of a difference is a comparison. A hidden side goes where the other one goes; where both are hidden, none does.
     wire [SIDE_W-1:0] here     = {{(SIDE_W - AT_W - 12) {1'b0}}, at, 12'd0};
     wire [SIDE_W:0]   over_lo  = {1'b0, here} - {lo[SIDE_W-1], lo};
-    wire [SIDE_W:0]   under_hi = {hi[SIDE_W-1], hi} - {1'b0, here};
+    wire [PX_W:0]     under_hi = {hi[SIDE_W-1], hi[SIDE_W-1:12]} - {{(PX_W + 1 - AT_W) {1'b0}}, at};  // pixels decide
     wire              below    = over_lo[SIDE_W];
-    wire              above    = under_hi[SIDE_W];
+    wire              above    = under_hi[PX_W];
     wire [SIDE_W:0]   lo_far   = {lo, 1'b1} + {{(SIDE_W - 18) {far_lo[17]}}, far_lo, far_lo[17]};
     wire [SIDE_W:0]   lo_near  = {lo, 1'b1} + {{(SIDE_W - 18) {near_lo[17]}}, near_lo, near_lo[17]};
     wire [SIDE_W:0]   hi_far   = {hi, 1'b1} + {{(SIDE_W - 18) {far_hi[17]}}, far_hi, far_hi[17]};

@@ -81,7 +81,8 @@ module motion_events #(
     input  wire [`MOTION_REGS_W-1:0] regs,
     input  wire [N-1:0]      visible,
     input  wire [N-1:0]      candidate,
-    input  wire [N-1:0]      may_begin,
+    input  wire [N-1:0]      fresh,
+    input  wire [N-1:0]      empty,
     output wire              begins,      // a candidate is in force
     output wire [SLOT_W-1:0] begins_slot,
 
@@ -120,11 +121,10 @@ module motion_events #(
 
     reg  [16:0]       out, back;    // ways of a side
     reg  [15:0]       seed_ring;
-    reg  [15:0]       seed_part;
+    reg  [15:0]       seed_part, seed_far;
     reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
     reg               counts;       // events are counted in bins
     wire [15:0]       share      = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
-    wire [15:0]       seed_far   = seed_part + {8'd0, regs[`MOTION_RING_PX]};
     wire [15:0]       seed_most  = seed_far < {8'd0, regs[`MOTION_RING_MAX]} ? seed_far : {8'd0, regs[`MOTION_RING_MAX]};
     wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, regs[`MOTION_SEED_PX]}};
 
@@ -132,6 +132,7 @@ module motion_events #(
         back      <= {1'b0, share};
         out       <= {1'b0, regs[`MOTION_SIDE_STEP] - back[15:0]};
         seed_part <= {7'd0, regs[`MOTION_SEED_PX], 1'b0} >> regs[`MOTION_RING_ANY];
+        seed_far  <= seed_part + {8'd0, regs[`MOTION_RING_PX]};
         seed_ring <= seed_most;
         seed_at   <= seed_place[REL_W-1:0];
         counts    <= regs[`MOTION_GAP_CORRECTIONS] != 8'd0;
@@ -142,6 +143,7 @@ module motion_events #(
     reg  [6:1]         valid;            // a token
     reg  [TOKEN_W-1:0] token_1, token_2, token_3, token_4, token_5, token_6;
     reg  [6:0]         op_1, op_2, op_3, op_4, op_5, op_6;  // clear, seed, left, put, full, store, read
+    reg  [6:2]         ops;              // one of them
     reg  [SLOT_W-1:0]  op_slot_1, op_slot_2, op_slot_3;
     reg  [3:0]         bin_1, bin_2, bin_3, bin_4, bin_5, bin_6, bin_7;
     reg  signed [PX_W-1:0] lo_x, hi_x, lo_y, hi_y;
@@ -170,8 +172,9 @@ module motion_events #(
         .window_y  (window_y),
         .visible   (visible),
         .candidate (candidate),
-        .may_begin (may_begin),
-        .is_op     (|op_3),
+        .fresh     (fresh),
+        .empty     (empty),
+        .is_op     (ops[3]),
         .op_slot   (op_slot_3),
         .owned     (owned_4),
         .begins    (begins_4),
@@ -193,6 +196,7 @@ module motion_events #(
         token_6   <= token_5;
         op_1      <= {op_clear, op_seed, op_left, op_put, op_full, op_store, op_read};
         op_2      <= op_1;
+        ops       <= {ops[5:2], |op_1};
         op_3      <= op_2;
         op_4      <= op_3;
         op_5      <= op_4;
@@ -213,6 +217,7 @@ module motion_events #(
         if (rst) begin
             valid <= 6'd0;
             {op_1, op_2, op_3, op_4, op_5, op_6} <= 42'd0;
+            ops <= 5'd0;
         end
     end
 
@@ -222,9 +227,10 @@ module motion_events #(
     reg               takes, alone_6, begins_6;       // an owner has the event; and its alone; or a candidate may begin
     reg  [SLOT_W-1:0] slot_5, slot_6;
     reg               seeding;                        // a candidate has begun that is not in force
-    reg  [SUP_W-1:0]  supports[0:(1<<SLOT_W)-1];
-    reg  [9:0]        lefts   [0:(1<<SLOT_W)-1];      // events until the next correction; 0: one is not in force yet
+    reg  [SUP_W:0]    supports[0:(1<<SLOT_W)-1];      // no more is counted; the count
+    reg  [11:0]       lefts   [0:(1<<SLOT_W)-1];      // is it one? is it any? events until the next correction; 0: one is not in force yet
     reg  [SUP_W-1:0]  support_6;
+    reg               full_6;
     reg  [9:0]        left_6;
     reg               any_left_6, last_left_6;
 
@@ -233,9 +239,11 @@ module motion_events #(
     wire               skip_6  = token_6[X_W+Y_W+1];
     wire               updates = alone_6 && any_left_6;
     wire               seeds   = begins_6 && !seeding;
-    wire [SUP_W-1:0]   support_next = &support_6 ? support_6 : support_6 + {{(SUP_W - 1) {1'b0}}, 1'b1};
+    wire [SUP_W-1:0]   support_next = support_6 + {{(SUP_W - 1) {1'b0}}, !full_6};
+    wire               full_next    = &(support_6 | {{(SUP_W - 1) {1'b0}}, 1'b1});
     wire [9:0]         left_next    = left_6 - 10'd1;
-    wire [9:0]         left_5       = lefts[slot_5];
+    wire [11:0]        left_5       = lefts[slot_5];
+    wire               last_next    = left_6 == 10'd2;
     wire [16:0]        far          = visible_5 ? out : {out[15:0], 1'b0};
     wire [16:0]        near         = visible_5 ? back : {back[15:0], 1'b0};
     wire [REL_W-1:0]   rel_x, rel_y;
@@ -246,7 +254,7 @@ module motion_events #(
     assign read_done  = op_6[0];
     assign store_done = op_6[1];
     assign put_done   = op_6[3];
-    assign active     = |valid || |op_1 || |op_2 || |op_3 || |op_4 || |op_5 || |op_6 || d_valid;
+    assign active     = |valid || |op_1 || |ops || d_valid;
     assign r_sides    = {lo_x_6, hi_x_6, lo_y_6, hi_y_6};
     assign r_support  = support_6;
 
@@ -263,15 +271,14 @@ module motion_events #(
         alone_6   <= event_5 && owned_5 && !begins_5 && !shared_5;
         begins_6  <= event_5 && owned_5 && begins_5;
         slot_6    <= slot_5;
-        if (!same_5 || takes) support_6 <= same_5 ? support_next : supports[slot_5];
+        if (!same_5 || takes) {full_6, support_6} <= same_5 ? {full_next, support_next} : supports[slot_5];
         if (!same_5 || updates) begin
-            left_6      <= same_5 ? left_next : left_5;
-            any_left_6  <= same_5 ? !last_left_6 : left_5 != 10'd0;
-            last_left_6 <= same_5 ? left_6 == 10'd2 : left_5 == 10'd1;
+            {last_left_6, any_left_6, left_6} <= same_5 ? {last_next, !last_left_6, left_next} : left_5;
         end
 
-        if (takes || op_6[2]) supports[slot_6] <= op_6[2] ? o_support : support_next;
-        if (updates || op_6[4]) lefts[slot_6] <= op_6[4] ? o_n_ev : left_next;
+        if (takes || op_6[2]) supports[slot_6] <= op_6[2] ? {&o_support, o_support} : {full_next, support_next};
+        if (updates || op_6[4])
+            lefts[slot_6] <= op_6[4] ? {o_n_ev == 10'd1, o_n_ev != 10'd0, o_n_ev} : {last_next, !last_left_6, left_next};
         if (seeds) seeding <= 1'b1;
         if (op_6[5]) seeding <= 1'b0;
 

@@ -101,8 +101,8 @@ module motion_gaps #(
     wire             looking = state != WAIT;
     wire [BIN_W:0]   spare   = {1'b0, least} - {1'b0, looked};  // negative where a bin is not empty
     wire [BIN_W-1:0] looked  = on_y ? looked_y : looked_x;
-    wire             there   = at > 5'd2;  // the value of `bin`
-    wire             last    = at == 5'd18;
+    reg              there;                // the value of `bin`
+    reg              last;                 // of all bins
     wire [BIN_W+1:0] next    = {sum, 1'b1} + {above, above ? ~value : value, above};
 
     always @(posedge clk) begin
@@ -116,6 +116,8 @@ module motion_gaps #(
         share    <= sum[BIN_W-1:0] >> gap_share;
         below    <= bin_2 < begins;
         above    <= state == PARTS && bin_2 >= ends;
+        there    <= at > 5'd1 && !last;
+        last     <= at == 5'd17;
         if (looking) at <= last ? 5'd0 : at + 5'd1;
         case (state)
             WAIT: begin

@@ -20,7 +20,9 @@ module motion_inverse (
     output reg  [6:0]  inverse    // round(1024 / (8.5 + m)), m the three bits below it
 );
 
-    reg [23:0] left;
+    reg  [23:0] left;
+    wire        by_8 = left[23:16] == 8'd0;
+    wire        by_1 = !by_8 && !left[23];
 
     always @(posedge clk) begin
         case (left[22:20])
@@ -34,13 +36,9 @@ module motion_inverse (
             3'd7: inverse <= 7'd66;
         endcase
         if (left[23:20] != 4'd0) busy <= 1'b0;
-        if (left[23:16] == 8'd0) begin
-            left    <= {left[15:0], 8'd0};
-            leading <= leading - 5'd8;
-        end else if (!left[23]) begin
-            left    <= {left[22:0], 1'b0};
-            leading <= leading - 5'd1;
-        end
+        if (by_8) left <= {left[15:0], 8'd0};
+        if (by_1) left <= {left[22:0], 1'b0};
+        leading <= leading - {1'b0, by_8, 2'b00, by_1};
         if (start) begin
             left    <= number;
             leading <= 5'd23;

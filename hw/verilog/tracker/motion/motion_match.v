@@ -31,7 +31,8 @@ module motion_match #(
     output reg  [N-1:0]      window_y,
     input  wire [N-1:0]      visible,
     input  wire [N-1:0]      candidate,
-    input  wire [N-1:0]      may_begin,   // free, and seeded
+    input  wire [N-1:0]      fresh,       // a candidate begins in one of these, if there are any,
+    input  wire [N-1:0]      empty,       // else in one of these
 
     // two clocks later
     input  wire              is_op,       // the owner is this one
@@ -92,7 +93,7 @@ module motion_match #(
     always @(posedge clk) begin
         seen   <= |by_window;  // a box lies within its window
         near   <= |by_candidate;
-        among  <= |by_box ? by_box : |by_window ? by_window : |by_candidate ? by_candidate : may_begin;
+        among  <= |by_box ? by_box : |by_window ? by_window : |by_candidate ? by_candidate : |fresh ? fresh : empty;
         owned  <= any_among;
         begins <= !seen && !near;
         shared <= seen && |(among & (among - {{(N - 1) {1'b0}}, 1'b1}));

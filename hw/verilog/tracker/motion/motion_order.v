@@ -153,6 +153,7 @@ module motion_order #(
     wire [3:0]        k_bin, m_bin;
     wire [1:0]        s_kind, m_kind, k_since, s_since, m_since;
     reg               k_was;        // and what it has written last is being written
+    reg               k_visible;    // its slot is
     wire              correcting = !k_rests || k_was;
     wire              merging    = !m_rests;
 
@@ -215,6 +216,7 @@ module motion_order #(
     always @(posedge clk) begin
         at           <= !k_rests ? k_at : merging ? m_at : !s_rests ? s_at : job_slot;
         k_was        <= !k_rests;
+        k_visible    <= visible[k_at];
         loads        <= read_next && (k_load || s_load || m_load || m_unite);
         load         <= read_next && (k_load || s_load || m_load);
         load_support <= read_next && (s_load || m_load);
@@ -243,7 +245,7 @@ module motion_order #(
         .read_done   (read_done),
         .store_done  (store_done),
         .lane        (lane),
-        .visible     (visible[k_at]),
+        .visible     (k_visible),
         .shrinks     (shrinks),
         .q_meets     (q_meets),
         .corrections (corrections),

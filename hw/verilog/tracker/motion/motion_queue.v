@@ -4,7 +4,7 @@
 // Latency:    5 clocks from the acceptance of a token to m_valid.
 // Throughput: a token per clock.
 // Stall:      a token is held until accepted; s_ready is low a clock after twelve or more are in the memory, so at most 17 are inside.
-//             Of a token at the output m_due follows next_step only at `again`, a clock later. Nothing comes there while it `holds`.
+//             Of a token at the output m_due follows next_step only while it `holds`, a clock later. Nothing comes there in that time.
 // Reset:      becomes empty; time begins at 0.
 // Combinational paths: none.
 `default_nettype none
@@ -29,11 +29,10 @@ module motion_queue #(
 
     input  wire [TIME_W-1:0] next_step,
     input  wire              holds,      // a motion step is under way: next_step changes, and no token is taken
-    input  wire              again,      // its last clock
 
     output reg               m_valid,
     input  wire              m_ready,
-    output reg               m_due,      // a motion step comes before it
+    output reg               m_due,      // m_valid, and a motion step comes before it
     output reg               m_runs,     // m_valid, and none does
     output reg  [TIME_W-1:0] m_time,
     output reg               m_event,
@@ -98,11 +97,11 @@ module motion_queue #(
         if (gives) begin
             m_valid <= next_valid;
             {m_time, m_event, m_skip, m_x, m_y, m_p} <= next;
-            m_due   <= !until_step[DUE_W-1];
+            m_due   <= next_valid && !until_step[DUE_W-1];
             m_runs  <= next_valid && until_step[DUE_W-1];
         end
-        if (again) begin
-            m_due  <= !after_step[DUE_W-1];
+        if (holds) begin
+            m_due  <= m_valid && !after_step[DUE_W-1];
             m_runs <= m_valid && after_step[DUE_W-1];
         end
         if (rst) begin
@@ -114,6 +113,7 @@ module motion_queue #(
             in_valid_2 <= 1'b0;
             next_valid <= 1'b0;
             m_valid    <= 1'b0;
+            m_due      <= 1'b0;
             m_runs     <= 1'b0;
         end
     end

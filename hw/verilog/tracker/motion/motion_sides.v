@@ -25,7 +25,7 @@ module motion_sides #(
 
     // commands
     input  wire                load,      // takes r_*, m_*, at any time; they must stay for the next clock
-    input  wire                load_refs, // with it: ref as well
+    input  wire                load_refs, // with it, and never alone: ref as well
     input  wire                seed,      // a square about x, y, at rest
     input  wire                shrink,    // a part inwards, but for marked sides
     input  wire                cut_high,  // the high side of axis `on_y`, or the low one, is `cut_px` from the low one
@@ -82,7 +82,7 @@ module motion_sides #(
 
     reg  seeded, shrinks, cuts_high, cuts_low, orders, unites, moves, shortens, turns, rubs;  // x had it, now y does
     reg  reflects, settles, change_a;  // change_a: the axis in front takes the offset, or the place, for which ref is 0 there
-    wire is_y     = !lane;  // of the axis behind
+    reg  is_y;              // the axis behind is y: not `lane`, which is for what lies outside
     wire seed_b   = seed || seeded;
     wire shrink_b = shrink || shrinks;
     wire high_b   = on_y ? cuts_high : cut_high;
@@ -117,7 +117,7 @@ module motion_sides #(
     reg                     from_place, from_middle, hi_from_lo, checks, do_lo, do_hi, checks_b, take_lo, take_hi;
 
     wire              square_b = seed_b || long_b;  // both sides are as far from one place
-    wire [SIDE_W-1:0] half     = seed_b ? {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0} : {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0};
+    wire [SIDE_W-1:0] half     = only(seed_b, {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0}) | only(long_b, {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0});
     wire signed [15:0] slow    = rub_b ? v_slow : v;
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
     wire [2*SIDE_W-1:0] refs   = load ? m_refs[4*SIDE_W-1:2*SIDE_W] : m_refs[2*SIDE_W-1:0];
@@ -130,6 +130,13 @@ module motion_sides #(
     wire signed [SIDE_W-1:0] base_hi  = from_place ? place : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
     wire [SIDE_W:0]          sum_lo   = {base_lo, 1'b1} + {add_lo, less_lo};
     wire [SIDE_W:0]          sum_hi   = {base_hi, 1'b1} + {add_hi, less_hi};
+
+    // One command at a time.
+    function [SIDE_W-1:0] only;
+        input              when;
+        input [SIDE_W-1:0] value;
+        only = {SIDE_W{when}} & value;
+    endfunction
 
     // From -2^REACH to below 2^(REACH + 1) pixels.
     wire reachable = (new_lo[SIDE_W-1:SIDE_W-4] == 4'hf || new_lo[SIDE_W-1:SIDE_W-3] == 3'd0)
@@ -148,9 +155,10 @@ module motion_sides #(
                     || (order_b && inverted);
         less_lo     <= seed_b || long_b || unite_b;
         less_hi     <= shrink_b || unite_b;
-        add_lo      <= square_b ? ~half : move_b ? way : low_b ? {cut_px, 12'd0} : unite_b ? ~ref_lo[SIDE_W-1:0] : part;
-        add_hi      <= square_b ? half : move_b ? way : high_b ? {cut_px, 12'd0} : order_b ? {SIDE_W{1'b0}}
-                     : unite_b ? ~ref_hi[SIDE_W-1:0] : ~part;
+        add_lo      <= only(square_b, ~half) | only(move_b, way) | only(low_b, {cut_px, 12'd0}) | only(unite_b, ~ref_lo[SIDE_W-1:0])
+                     | only(shrink_b, part);
+        add_hi      <= half | only(move_b, way) | only(high_b, {cut_px, 12'd0}) | only(unite_b, ~ref_hi[SIDE_W-1:0])
+                     | only(shrink_b, ~part);
 
         // in front
         {lo_b, hi_b} <= {lo_a, hi_a};
@@ -165,7 +173,7 @@ module motion_sides #(
         hi_a <= take_hi && taken ? new_hi : hi_b;
 
         // in front, and behind
-        if (!load || !lane) begin
+        if (!load || is_y) begin
             ref_lo <= change_a ? {lo_a[SIDE_W-1], lo_a} - ref_lo_a : ref_lo_a;
             ref_hi <= change_a ? {hi_a[SIDE_W-1], hi_a} - ref_hi_a : ref_hi_a;
             {ref_lo_a, ref_hi_a} <= settle || settles ? {(2 * SIDE_W + 2) {1'b0}} : {ref_lo, ref_hi};
@@ -176,15 +184,16 @@ module motion_sides #(
         v_less <= v_a - v_part;
         v_a    <= turn_b ? v_next : rub_b ? v_less : v;
 
-        lane  <= !lane || load;
+        lane  <= is_y || load;
+        is_y  <= !is_y && !load;
         loads <= load;
-        takes <= load && load_refs;
+        takes <= load_refs;
         if (load || loads) begin
             {lo_b, hi_b} <= load ? r_sides[4*SIDE_W-1:2*SIDE_W] : r_sides[2*SIDE_W-1:0];
             v            <= load ? m_v[15:0] : m_v[31:16];
         end
-        if ((load && load_refs) || takes) {ref_lo, ref_hi} <= {refs[2*SIDE_W-1], refs[SIDE_W+:SIDE_W], refs[SIDE_W-1], refs[0+:SIDE_W]};
-        if (rst) lane <= 1'b0;
+        if (load_refs || takes) {ref_lo, ref_hi} <= {refs[2*SIDE_W-1], refs[SIDE_W+:SIDE_W], refs[SIDE_W-1], refs[0+:SIDE_W]};
+        if (rst) {lane, is_y} <= 2'b01;
     end
 
     wire [14:0] speed = v_a[15] ? -v_a[14:0] : v_a[14:0];
@@ -194,10 +203,10 @@ module motion_sides #(
     always @(posedge clk) begin
         apart    <= {hi_b[SIDE_W-1], hi_b} - {lo_b[SIDE_W-1], lo_b};
         sum      <= {hi_b[SIDE_W-1], hi_b} + {lo_b[SIDE_W-1], lo_b};
-        part     <= side >> side_shrink;
+        part     <= apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0] >> side_shrink;
         inverted <= apart[SIDE_W];
         too_long <= spare[SIDE_W+1];
-        if (lane) begin
+        if (!is_y) begin
             o_sides[2*SIDE_W-1:0] <= {lo_a, hi_a};
             o_refs[2*SIDE_W-1:0]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
             o_v[31:16]            <= v_a;

@@ -20,8 +20,8 @@ module motion_step #(
     input  wire              clk,
     input  wire              rst,
 
-    input  wire              start,        // a motion step, while nothing is under way
-    input  wire              end_life,     // the life of end_slot ends at once
+    input  wire              start,        // a motion step, while nothing is under way, nor was in the clock before
+    input  wire              end_life,     // or the life of end_slot ends at once
     input  wire [SLOT_W-1:0] end_slot,
     output reg               rests,
     output reg  [SLOT_W-1:0] at,           // the slot that is worked on, or compared
@@ -149,11 +149,13 @@ module motion_step #(
     reg [2:0]        places;         // box and window are asked for, when what follows from the lengths is there
     reg              reads;          // the slot whose step it is, is being read
     wire [N-1:0]     lives      = visible | candidate;
-    wire [N-1:0]     taken      = lives | left;
+    reg  [N-1:0]      taken;          // has a track, or one that may return; a clock late
     reg  [N-1:0]     others;         // that it may be compared with
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
     reg              is_visible;     // the slot whose step it is,
     reg              young;          // and it has less than four corrections
+    reg              other_visible;  // the one that it is compared with
+    reg              stayed;         // of two that became one, the slot whose step it is stays
     wire             goes_on    = !pause[0];
     reg              departs;        // what is lost in a step may return
     wire             leaves     = kind == `EVCOT_KIND_LOST && departs;  // with the record
@@ -177,6 +179,9 @@ module motion_step #(
         if (shortened) c_reflect <= 1'b1;
         departs    <= may_return && !alone;
         is_visible <= visible[this_slot];
+        other_visible <= visible[this_other];
+        stayed <= stays == this_slot;
+        taken  <= lives | left;
         young      <= corrections < 6'd4;
         others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
 
@@ -184,14 +189,12 @@ module motion_step #(
         if (goes_on) case (state)
             REST: begin
                 alone <= end_life;
-                slot  <= {(SLOT_W + 1) {1'b0}};
                 at    <= end_slot;
                 if (start && |taken) begin
                     rests <= 1'b0;
                     state <= NEXT;
                 end
                 if (end_life) begin
-                    slot  <= {1'b0, end_slot};
                     rests <= !taken[end_slot];
                     state <= taken[end_slot] ? FETCH : REST;
                 end
@@ -203,7 +206,7 @@ module motion_step #(
                     state <= REST;
                 end
                 else if (taken[this_slot]) state <= FETCH;
-                else slot <= slot + {{SLOT_W{1'b0}}, 1'b1};
+                slot <= slot + {{SLOT_W{1'b0}}, !taken[this_slot]};  // behind the last one it does not count
             end
             FETCH: begin
                 op_valid <= 1'b1;
@@ -263,7 +266,6 @@ module motion_step #(
             WINDOW:
             if (window_done) begin
                 keep_window <= 1'b1;
-                other       <= young ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
                 state       <= SCAN;
                 if (widest) begin
                     lapse      <= 1'b1;
@@ -282,7 +284,8 @@ module motion_step #(
                 end else if (others[this_other]) begin
                     at    <= this_other;
                     state <= COMPARE;
-                end else other <= other + {{SLOT_W{1'b0}}, 1'b1};
+                end
+                other <= other + {{SLOT_W{1'b0}}, !others[this_other]};
             end
             COMPARE: begin
                 op_valid <= 1'b1;
@@ -324,7 +327,7 @@ module motion_step #(
                 touching <= 1'b0;
                 stays    <= this_slot;
                 goes     <= this_other;
-                if (visible[this_slot] != visible[this_other] ? visible[this_other] : keep_older ? other_older : weaker) begin
+                if (is_visible != other_visible ? other_visible : keep_older ? other_older : weaker) begin
                     stays <= this_other;
                     goes  <= this_slot;
                 end
@@ -346,18 +349,19 @@ module motion_step #(
                 by_life  <= 1'b0;
                 state    <= MET;
             end
-            MET:
-            if (meet_done) begin
-                c_meet <= is_visible;
-                if (is_visible) state <= REPORT;
-                else if (held && !again) state <= LAPSE;
-                else if (touches) begin
-                    other <= {1'b0, touched};
-                    at    <= touched;
-                    state <= TOUCH;
-                end else begin
-                    pause <= clocks(3'd5);
-                    state <= BORN;
+            MET: begin
+                other <= {1'b0, touched};
+                if (meet_done) begin
+                    c_meet <= is_visible;
+                    if (is_visible) state <= REPORT;
+                    else if (held && !again) state <= LAPSE;
+                    else if (touches) begin
+                        at    <= touched;
+                        state <= TOUCH;
+                    end else begin
+                        pause <= clocks(3'd5);
+                        state <= BORN;
+                    end
                 end
             end
             TOUCH: begin
@@ -383,9 +387,9 @@ module motion_step #(
                 since   <= SEEDED;
                 again   <= 1'b1;
                 c_touch <= 1'b0;
-                c_ask   <= stays == this_slot && touching;
+                c_ask   <= stayed && touching;
                 state   <= touching ? MET : MEET;
-                if (stays != this_slot) begin
+                if (!stayed) begin
                     slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
                     state <= NEXT;
                 end
@@ -435,6 +439,10 @@ module motion_step #(
             end
             default: state <= REST;
         endcase
+
+        // Where they begin: not in a state, so that a reset of a flip-flop need not wait for what decides there.
+        if (rests) slot <= {1'b0, end_life ? end_slot : {SLOT_W{1'b0}}};
+        if (places[0]) other <= young ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
 
         if (rst) begin
             state    <= REST;

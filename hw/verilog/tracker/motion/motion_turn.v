@@ -9,7 +9,7 @@
 // Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
 // Stall:      a step and the end of a life wait for `drained`.
 // Reset:      turns all slots off; the first step is at 2^step_log2.
-// Combinational paths: op_valid -> takes_op; op_valid, reached, put_valid, q_valid, q_due -> takes_put; op_beside, reached,
+// Combinational paths: op_valid -> takes_op; op_valid, reached, put_valid, q_due -> takes_put; op_beside, reached,
 //             q_runs and q_counts -> takes_token, and issues; put_slot -> puts_slot; reached -> quiet.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -30,14 +30,12 @@ module motion_turn #(
     output reg  [N-1:0]      seeded,       // `mode`
 
     // tokens: see motion_queue.v
-    input  wire              q_valid,
-    input  wire              q_due,        // a motion step comes before it
-    input  wire              q_runs,       // q_valid, and none does
+    input  wire              q_due,        // there is one, and a motion step comes before it
+    input  wire              q_runs,       // there is one, and none does
     input  wire              q_counts,     // it is an event, or one that a filter took out
     input  wire              room,         // for those under way and two more: it is seen a clock later
     output wire              takes_token,
     output reg               holds,        // a motion step is under way: next_step changes, and no token is taken
-    output reg               again,        // its last clock
     output wire              issues,       // a token that counts comes in this clock
     output reg  [7:0]        issued,       // lower bits of the number of the next one
     output reg  [7:0]        following,    // those of the one behind it
@@ -75,7 +73,7 @@ module motion_turn #(
     localparam [1:0] RUN   = 2'd0;
     localparam [1:0] BEGUN = 2'd1;  // a step, or the end of a life
     localparam [1:0] BUSY  = 2'd2;
-    localparam [1:0] DUE   = 2'd3;  // is another step due?
+    localparam [1:0] DUE   = 2'd3;  // the queue sees whether another step is due
 
     reg  [1:0]        state;
     reg               bubble;     // an operation that writes was before
@@ -90,7 +88,7 @@ module motion_turn #(
     wire              any_restart;
     wire [SLOT_W-1:0] lowest_restart;
     wire [TIME_W-1:0] step_from = restep ? now : next_step;
-    wire              stop      = restarts || (q_valid && q_due);  // all that waits comes first
+    wire              stop      = restarts || q_due;  // all that waits comes first
     wire              starts    = drained;                         // which it has: nothing can have come since
 
     assign op_ready    = !bubble;
@@ -143,7 +141,6 @@ module motion_turn #(
         if (d_valid) now <= d_time;
 
         drained <= state == RUN && stop && !active && waits_none && rests && !op_valid && !bubble;
-        again   <= 1'b0;
         case (state)
             RUN:
             if (starts) begin
@@ -153,10 +150,7 @@ module motion_turn #(
             end
             BEGUN: state <= BUSY;
             BUSY:
-            if (rests) begin
-                again <= 1'b1;
-                state <= DUE;
-            end
+            if (rests) state <= DUE;
             DUE: begin
                 holds <= 1'b0;
                 state <= RUN;
@@ -179,7 +173,6 @@ module motion_turn #(
             drained  <= 1'b0;
             open     <= 1'b0;
             holds    <= 1'b0;
-            again    <= 1'b0;
             issued    <= 8'd0;
             following <= 8'd1;
             now      <= {TIME_W{1'b0}};

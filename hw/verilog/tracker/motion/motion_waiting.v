@@ -4,7 +4,8 @@
 //
 // Slots are worked on, and put in force, in the order in which they came: two places in one ring.
 //
-// Latency:    1 clock from s_valid to job_valid, 2 more to what is in block RAM, also after job_done; 3 to reached; 2 clocks from put_done to the next one's put_slot, and not reached until then.
+// Latency:    2 clocks from s_valid to job_valid, 1 from job_done to that of the next slot; 3 to what is in block RAM, and to reached; 2
+//             from job_done to put_valid, and from put_done to the next one's put_slot, which is not reached until then.
 // Throughput: a slot per clock.
 // Stall:      none: there is an entry for each slot, and a slot does not come again before it is in force.
 // Reset:      becomes empty.
@@ -33,11 +34,11 @@ module motion_waiting #(
     input  wire [SEQ_W-1:0]  s_seq,
 
     // the next one to be worked on
-    output wire              job_valid,
+    output reg               job_valid,
     input  wire              job_done,
-    output wire              job_seed,
-    output wire [SLOT_W-1:0] job_slot,
-    output wire [X_W-1:0]    job_x,       // from here on, of a memory: two clocks later
+    output reg               job_seed,
+    output reg  [SLOT_W-1:0] job_slot,
+    output wire [X_W-1:0]    job_x,       // from here on, of a memory: two clocks behind it at most
     output wire [Y_W-1:0]    job_y,
     output wire [SUP_W-1:0]  job_support,
     output wire [TIME_W-1:0] job_time,
@@ -48,7 +49,7 @@ module motion_waiting #(
     input  wire [7:0]        following,  // those of the one behind it
     input  wire              issues,     // it comes in this clock
     output reg               reached,    // it must be before that event
-    output wire              put_valid,  // it can be
+    output reg               put_valid,  // it can be, a clock late
     output reg               put_seed,
     output reg  [SLOT_W-1:0] put_slot,
     input  wire              put_done,
@@ -63,15 +64,15 @@ module motion_waiting #(
     reg [SLOT_W:0]     slots[0:(1<<SLOT_W)-1];  // and whether a candidate begins
     reg [SLOT_W+8:0]   puts [0:(1<<SLOT_W)-1];
     reg [SLOT_W:0]     tail, job, head;         // modulo twice the depth
+    reg [SLOT_W:0]     job_1;                   // the one behind `job`
     reg  [7:0]         put_event;
     reg                waits;                   // the entry that was read is one
     wire               is_now   = put_event == issued;
     wire               is_later = put_event == following;
 
-    assign empty     = head == tail;
-    assign job_valid = job != tail;
-    assign put_valid = head != job;
-    assign {job_seed, job_slot} = slots[job[SLOT_W-1:0]];
+    wire [SLOT_W:0]    job_next = job_done ? job_1 : job;
+
+    assign empty = head == tail;
 
     block_memory #(
         .W    (JOB_W),
@@ -93,17 +94,24 @@ module motion_waiting #(
             puts[tail[SLOT_W-1:0]]  <= {s_seed, s_slot, s_seq[7:0] + LATER};
             tail                    <= tail + {{SLOT_W{1'b0}}, 1'b1};
         end
-        if (job_done) job <= job + {{SLOT_W{1'b0}}, 1'b1};
+        job       <= job_next;
+        job_valid <= job_done ? job_1 != tail : job != tail;
+        {job_seed, job_slot} <= slots[job_next[SLOT_W-1:0]];
+        if (job_done) job_1 <= job_1 + {{SLOT_W{1'b0}}, 1'b1};
         if (put_done) head <= head + {{SLOT_W{1'b0}}, 1'b1};
         {put_seed, put_slot, put_event} <= puts[head[SLOT_W-1:0]];
-        waits   <= head != tail && !put_done;
-        reached <= waits && !put_done && (issues ? is_later : is_now);
+        put_valid <= head != job;
+        waits     <= head != tail && !put_done;
+        reached   <= waits && !put_done && (issues ? is_later : is_now);
         if (rst) begin
-            tail    <= {(SLOT_W + 1) {1'b0}};
-            job     <= {(SLOT_W + 1) {1'b0}};
-            head    <= {(SLOT_W + 1) {1'b0}};
-            waits   <= 1'b0;
-            reached <= 1'b0;
+            tail      <= {(SLOT_W + 1) {1'b0}};
+            job       <= {(SLOT_W + 1) {1'b0}};
+            job_1     <= {{SLOT_W{1'b0}}, 1'b1};
+            head      <= {(SLOT_W + 1) {1'b0}};
+            job_valid <= 1'b0;
+            put_valid <= 1'b0;
+            waits     <= 1'b0;
+            reached   <= 1'b0;
         end
     end
 

@@ -116,7 +116,7 @@ class Events:
 
     def free(self) -> None:
         taken = int(self.io.visible) | int(self.io.candidate)
-        self.io.may_begin = sum(1 << i for i in range(N) if not self.off[i] and not taken >> i & 1)
+        self.io.fresh = self.io.empty = sum(1 << i for i in range(N) if not self.off[i] and not taken >> i & 1)
 
     # ---- tokens
 

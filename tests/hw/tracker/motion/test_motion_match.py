@@ -32,8 +32,11 @@ def owner(states: list[str], boxes: list[Bounds], windows: list[Bounds], x: int,
         found = [i for i in slots if states[i] == kind and holds(bounds[i], x, y)]
         if found:
             return found[0], kind == "visible" and len(found) > 1, False
-    free = [i for i in slots if states[i] == "free"]
-    return (free[0], False, True) if free else (-1, False, True)
+    for kind in ("free", "left"):
+        found = [i for i in slots if states[i] == kind]
+        if found:
+            return found[0], False, True
+    return -1, False, True
 
 
 @pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (2, 1), (5, 3), (64, 6)])
@@ -53,10 +56,11 @@ def test_random_events(n: int, slot_w: int) -> None:
         io.place = 0
         if round_ < n:
             continue
-        share = rng.dirichlet([1, 1, 1, 1]) if rng.random() < 0.9 else [0, 0, 0, 1]
-        states = [str(state) for state in rng.choice(["visible", "candidate", "free", "off"], n, p=share)]
-        for port, state in (("visible", "visible"), ("candidate", "candidate"), ("may_begin", "free")):
-            setattr(io, port, sum(1 << i for i in range(n) if states[i] == state))
+        share = rng.dirichlet([1, 1, 1, 1, 1]) if rng.random() < 0.9 else [0, 0, 0, 0, 1]
+        states = [str(state) for state in rng.choice(["visible", "candidate", "free", "left", "off"], n, p=share)]
+        ports = {"visible": ("visible",), "candidate": ("candidate",), "fresh": ("free",), "empty": ("free", "left")}
+        for port, kinds in ports.items():
+            setattr(io, port, sum(1 << i for i in range(n) if states[i] in kinds))
         x, y = int(rng.integers(32)), int(rng.integers(16))
         io.is_op = int(rng.random() < 0.1)
         io.op_slot = int(rng.integers(n))

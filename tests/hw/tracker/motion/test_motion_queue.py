@@ -33,7 +33,7 @@ def test_random_tokens_and_steps(pattern: str) -> None:
     time = taken = steps = full = 0
     due = {True: 0, False: 0}
     offered: tuple[int, ...] | None = None
-    next_step, hold, write_in = 40, 0, 0  # hold: clocks until `again` is over; write_in: until another length of a step counts
+    next_step, hold, write_in = 40, 0, 0  # hold: clocks until it is over; write_in: until another length of a step counts
     for _clock in range(5_000):
         io.s_valid = int(offered is not None or next(offers))
         if io.s_valid and offered is None:
@@ -43,7 +43,7 @@ def test_random_tokens_and_steps(pattern: str) -> None:
         if write_in == 1:
             next_step = time + int(rng.integers(200))
         write_in = max(write_in - 1, 0)
-        io.next_step, io.holds, io.again, io.m_ready = next_step % (1 << TIME_W), int(hold > 0), int(hold == 1), 0
+        io.next_step, io.holds, io.m_ready = next_step % (1 << TIME_W), int(hold > 0), 0
         assert int(io.empty) == (not waiting)
         accepted = bool(int(io.s_valid)) and bool(int(io.s_ready))
         begins = False

@@ -111,7 +111,7 @@ def test_random_commands() -> None:
             for axis, was in zip(axes, before_load, strict=True):
                 axis.ref_lo, axis.ref_hi = was.ref_lo, was.ref_hi
         sim.clock.tick()
-        io.load = 0
+        io.load = io.load_refs = 0
         assert int(io.lane) == 1
         sim.clock.tick()
         name = ""

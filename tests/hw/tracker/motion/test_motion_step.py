@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pytest
@@ -179,17 +180,27 @@ class Around(Control):
             self.compared = slot
 
 
+def show(io: Any, states: list[str]) -> None:
+    for name in ("visible", "candidate", "left"):
+        setattr(io, name, sum(1 << i for i in range(N) if states[i] == name))
+
+
 def run(control: Around, step: Step, rng: np.random.Generator) -> None:
     """Answers what is asked until the step is done."""
     io = control.io
     wait: dict[str, int] = {}
     asks = 0  # of the same slot
     states, touched = list(step.states), [list(others) for others in step.touched]
+    begins = {name: int(io[name]) for name in ("start", "end_life")}
+    io.start = io.end_life = 0
+    show(io, states)  # a clock before
+    control.clock()
+    for name, begin in begins.items():
+        setattr(io, name, begin)
     while True:
         at, this, other = control.at[0], min(int(io.this_slot), N - 1), control.compared
         noise = [int(bit) for bit in rng.integers(2, size=12)]
-        for name, state in (("visible", "visible"), ("candidate", "candidate"), ("left", "left")):
-            setattr(io, name, sum(1 << i for i in range(N) if states[i] == state))
+        show(io, states)
         io.settled = sum(1 << i for i in range(N) if step.corrections[i] >= 4)
         io.corrections = step.corrections[this]
         io.ended = int(step.ended[at]) if control.steady(3) else noise[0]

@@ -60,7 +60,7 @@ def test_random_traffic(seed: int) -> None:
         0  # an operation that writes, or a slot that is put in force, was taken in the clock before; clocks of a step
     )
     seen = dict.fromkeys(
-        ("op", "put", "token", "step", "end", "end before step", "lowest", "reached", "no room", "write", "again"), 0
+        ("op", "put", "token", "step", "end", "end before step", "lowest", "reached", "no room", "write", "over"), 0
     )
     quiet_since, settled, putting = 0, 8, 0
     for clock in range(3_500):
@@ -80,7 +80,7 @@ def test_random_traffic(seed: int) -> None:
             around.op = str(rng.choice(["reads", "writes"]))
         room, reached = rng.random() < 0.9, around.shown and rng.random() < 0.3
         waits, working = bool(around.jobs or around.puts), bool(around.busy or around.op)
-        io.q_valid, io.q_due, io.q_counts, io.room = int(around.token), int(around.due), int(around.counts), int(room)
+        io.q_due, io.q_counts, io.room = int(around.token and around.due), int(around.counts), int(room)
         io.q_runs = int(around.token and not around.due)
         io.op_valid, io.op_writes = int(bool(around.op)), int(around.op == "writes")
         io.op_beside = int(bool(around.op) and not stepping)
@@ -107,9 +107,8 @@ def test_random_traffic(seed: int) -> None:
             assert int(io.end_slot) == min(ending)
             seen["end before step"] += around.token and around.due
             seen["lowest"] += len(ending) > 1
-        again = bool(int(io.again))
+        over = stepping >= 3 and rested  # its last clock
         assert int(io.holds) == (stepping > 0)
-        assert again == (stepping >= 3 and rested)
         assert not put_busy or int(io.puts_slot) == putting
         assert put_busy or not around.shown or int(io.puts_slot) == put_slot
         assert (int(io.issued), int(io.following), int(io.now)) == (issued % 256, (issued + 1) % 256, now)
@@ -118,7 +117,7 @@ def test_random_traffic(seed: int) -> None:
         assert not int(io.quiet) or not (stepping or reached or put_busy or restarts or 5 < settled < 9)
         quiet_since = 0 if stepping or reached or put_busy or restarts or settled > 5 else quiet_since + 1
         assert int(io.quiet) or quiet_since < 3
-        for name, happens in (*took.items(), ("step", step), ("end", end), ("reached", reached), ("again", again)):
+        for name, happens in (*took.items(), ("step", step), ("end", end), ("reached", reached), ("over", over)):
             seen[name] += happens
         seen["no room"] += may_take and not could_take
         # ---- what follows
@@ -163,8 +162,8 @@ def test_random_traffic(seed: int) -> None:
         if step or end:
             stepping, around.busy = 1, int(rng.integers(0, 20))
         elif stepping:
-            stepping = 0 if again else stepping + 1
-            if again:
+            stepping = 0 if over else stepping + 1
+            if over:
                 around.due = around.token and around.time >= next_step
         if end:
             del restarts[int(io.end_slot)]

@@ -21,15 +21,17 @@ def test_random_events() -> None:
     issued, came, busy = 0, 0, 0
     jobs: list[tuple[int, int, int]] = []  # slot, whether it seeds, number of the event
     puts: list[tuple[int, int, int]] = []
-    put_at, waited, done = -9, 0, 0
+    put_at, waited, done, had_puts, new = -9, 0, 0, False, 0  # new: a slot that came in the clock before
     for clock in range(20_000):
         io.following = (issued + 1) % 256
         io.issued, io.issues, io.job_done, io.put_done, io.s_valid = issued % 256, 0, 0, 0, 0
         waits = [number for _, _, number in jobs + puts]
         late = any(number + AFTER < issued for number in waits)
         assert not late
-        assert int(io.job_valid) == bool(jobs)
-        if jobs:
+        assert int(io.job_valid) == bool(jobs[: len(jobs) - new])
+        assert int(io.put_valid) == had_puts
+        had_puts = bool(puts)
+        if int(io.job_valid):
             slot, seeds, number = jobs[0]
             assert (int(io.job_slot), int(io.job_seed)) == (slot, seeds)
             busy += 1
@@ -49,11 +51,12 @@ def test_random_events() -> None:
         if not blocked and rng.random() < 0.8:
             io.issues = 1
             issued += 1
-        free = [slot for slot in range(SLOTS) if slot not in busy_slots]
+        free, new = [slot for slot in range(SLOTS) if slot not in busy_slots], 0
         if came < issued - 6 and free:  # a correction is seen some clocks behind its event
             if rng.random() < 0.03:
                 io.s_valid, io.s_slot, io.s_seed, io.s_seq = 1, free[0], int(rng.integers(2)), came
                 jobs.append((free[0], int(io.s_seed), came))
+                new = 1
             came += 1
         sim.clock.tick()
     assert done > 100

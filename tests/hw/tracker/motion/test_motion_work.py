@@ -226,6 +226,7 @@ class Work:
 
     def step(self, now: int) -> None:
         io = self.io
+        self.clock()  # nothing was under way in it
         io.do_step, io.now, io.seq = 1, now, len(self.slow.owners)
         self.until_it_rests()
         for i in range(N):
@@ -235,6 +236,7 @@ class Work:
 
     def end(self, slot: Slot, now: int) -> None:
         io = self.io
+        self.clock()
         io.do_end, io.end_slot, io.now, io.seq = 1, slot.number, now, len(self.slow.owners)
         self.until_it_rests()
         if slot.visible:
