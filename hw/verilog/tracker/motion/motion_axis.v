@@ -96,6 +96,10 @@ module motion_axis #(
     wire [SIDE_W-1:0] hi_new    = store_4 ? s_hi : hi_4;
     wire [1:0]        marks_new = store_4 ? s_marks : marks_4;
 
+    // What the third stage has next, but for a far side of the same slot, which is known last.
+    wire [SIDE_W-1:0] lo_else = forward ? lo_near[SIDE_W:1] : recent ? lo_new : los[slot_2];
+    wire [SIDE_W-1:0] hi_else = forward ? hi_near[SIDE_W:1] : recent ? hi_new : his[slot_2];
+
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
     wire [PX_W:0]   in_bins    = from >> log2_4;
@@ -114,8 +118,8 @@ module motion_axis #(
         far_hi    <= &hide ? 18'd0 : hide[1] ? ~{1'b0, out} : {1'b0, out};
         near_hi   <= &hide ? 18'd0 : hide[1] ? {1'b0, back} : ~{1'b0, back};
         if (!forward || update) begin
-            lo    <= forward ? lo_next : recent ? lo_new : los[slot_2];
-            hi    <= forward ? hi_next : recent ? hi_new : his[slot_2];
+            lo    <= forward && lo_is_far ? lo_far[SIDE_W:1] : lo_else;
+            hi    <= forward && hi_is_far ? hi_far[SIDE_W:1] : hi_else;
             marks <= forward ? marks_next : recent ? marks_new : markses[slot_2];
         end
 
