@@ -21,10 +21,10 @@ from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
 from field import peers
 
-__all__ = ["AUTO", "COT_AUTO", "Contender", "contenders", "more_settings"]
+__all__ = ["AUTO", "Contender", "contenders", "more_settings"]
 
 AUTO = "auto"  # the engine that chooses its settings itself
-COT_AUTO = "cot-auto"  # the golden model with registers that are read off the recording before
+_COT_AUTO = "cot-auto"  # the golden model, with registers that are chosen from the recording
 _SPREAD = 0.4  # standard deviation of a changed setting's logarithm
 _CHANGED = 0.4  # share of the settings that are changed
 _TRIES = 100
@@ -40,16 +40,16 @@ class Contender:
         name: of the tracker.
         settings: its presets, by name.
         start: a tracker that has seen nothing, of settings and a sensor.
-        vary: other settings, near given ones or anywhere in sensible ranges.
+        vary: other settings, near given ones or anywhere in sensible ranges; None: there is nothing to choose.
         masked: whether hot pixels, learned from the whole recording, are taken out before: for trackers that cannot do it.
         peer: whether it is somebody else's.
-        look: settings for a recording, of which all is known before; that takes no time.
+        look: what settings become for a recording, all of which may be looked at before; that time is not counted.
     """
 
     name: str
     settings: Mapping[str, Any]
     start: Callable[[Any, Sensor], Tracker]
-    vary: Callable[[Any, np.random.Generator], Any]
+    vary: Callable[[Any, np.random.Generator], Any] | None
     masked: bool = True
     peer: bool = False
     look: Callable[[Any, Recording], Any] = lambda settings, _: settings
@@ -65,7 +65,7 @@ def contenders(names: list[str] | None = None) -> list[Contender]:
 def more_settings(contender: Contender, count: int, random: np.random.Generator) -> dict[str, Any]:
     """The contender's presets, and `count` more settings, each varied from a preset chosen at random."""
     settings = dict(contender.settings)
-    if contender.name in (AUTO, COT_AUTO):
+    if contender.vary is None:
         return settings
     bases = list(contender.settings.values())
     for number in range(count):
@@ -89,7 +89,7 @@ def _engine(name: str) -> Contender:
     }
     if bare:
         own = {"for the sensor": "for the sensor", **own}
-    return Contender(name, own, start, _varied_engine, masked=name != AUTO)
+    return Contender(name, own, start, None if name == AUTO else _varied_engine, masked=name != AUTO)
 
 
 def _cot_auto() -> Contender:
@@ -99,7 +99,7 @@ def _cot_auto() -> Contender:
     def start(settings: tuple[Any, FilterConfig], sensor: Sensor) -> Tracker:
         return ENGINES["cot"].start(*settings, sensor)
 
-    return Contender(COT_AUTO, {BY_LOOK: BY_LOOK}, start, lambda settings, _: settings, masked=False, look=look)
+    return Contender(_COT_AUTO, {BY_LOOK: BY_LOOK}, start, None, masked=False, look=look)
 
 
 def _varied_engine(settings: Any, random: np.random.Generator) -> Any:

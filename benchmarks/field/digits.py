@@ -2,11 +2,11 @@
 """Digits that a camera saw (N-MNIST), each carried along a known path: real sensor events with exact truth.
 
 A sample is 0.3 s in which the camera made three saccades and came back to where it began; it is repeated, so that an object
-keeps its shape. In the picture every digit makes the same way, a triangle about 6 px wide and 5 px high. It is the median, over
-all samples, of where the events of each 10 ms lie in their sample. The truth follows it: the centre is the path and where the
-digit is on that way; the box holds the digit as it would be without saccades (the 2nd to 98th percentile of the sample's
-events, each moved back). Paths keep all that a digit sweeps on the sensor. Digits that meet lie one on the other, as if they
-were transparent.
+keeps its shape. In the image every digit runs through the same loop meanwhile, a triangle about 6 px wide and 5 px high: the
+median, over all samples, of where the events of each 10 ms lie in their sample. The truth follows it: the centre is the path
+plus the digit's place in the loop; the box holds the digit as it would be without saccades (the 2nd to 98th percentile of the
+sample's events, each moved back). Paths keep a digit's whole loop on the sensor. Digits that meet lie one on the other, as if
+they were transparent.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SOURCE = "N-MNIST"
 _FILE = "nmnist_800.npz"
 _SENSOR = 346, 260
 _EXTENT = 2, 98  # percentiles
-_WAY_US, _BINS = 10_000, 30  # the last bin takes the few events after 0.3 s as well
+_BIN_US, _BINS = 10_000, 30  # the last bin takes the few events after 0.3 s as well
 _COUNTS = {"apart": (1, 3, 5), "crossing": (2, 4, 6)}
 _SPEED_PX_S = 20.0, 140.0
 _NOISE_HZ = 0.05, 1.0
@@ -54,7 +54,7 @@ def digits(ways: str, count: int, seed: tuple[int, ...]) -> Member:
     random = np.random.default_rng((*seed, count))
     samples = [_sample(int(number)) for number in random.choice(800, count, replace=False)]
     swept = [_extent(np.stack((one.x, one.y))) for one in samples]
-    still = [_extent(np.stack((one.x, one.y)) - _way(one.t_us)) for one in samples]
+    still = [_extent(np.stack((one.x, one.y)) - _loop(one.t_us)) for one in samples]
     paths = Bouncing(
         _SENSOR, np.stack([size_px for _, size_px in swept]), random.uniform(*_SPEED_PX_S, count), ways == "crossing", random
     )
@@ -70,15 +70,15 @@ def digits(ways: str, count: int, seed: tuple[int, ...]) -> Member:
     objects["frame"], objects["object"] = np.arange(len(instants_us))[:, None], np.arange(count)
     for number in range(count):
         own = objects[:, number]
-        way, speed = _on_the_way(samples[number], instants_us)
+        place, speed = _in_the_loop(samples[number], instants_us)
         centre, velocity = paths.at(instants_us, number)
         (middle, size_px), (of_path, _) = still[number], swept[number]
-        own["x"], own["y"] = centre + way + (middle - of_path)[:, None]
+        own["x"], own["y"] = centre + place + (middle - of_path)[:, None]
         own["vx"], own["vy"] = velocity + speed
         own["width"], own["height"] = size_px
     objects["counted"] = True
     truth = GroundTruth(instants_us, objects.ravel(), tuple(map(str, range(count))))
-    how = "exact path, and the digit's way in the camera's saccades, the same for all samples; the box is its extent"
+    how = "exact path, plus the digit's place in the saccades' loop, the same for all samples; the box is its extent"
     return Member(f"digits, {ways}", f"{count} digits", recording, truth, scene_rule(recording), how)
 
 
@@ -107,17 +107,17 @@ def _saccades() -> NDArray[np.float64]:
     """Where a digit is, (2, n) px from its middle, at 5, 15, 25 … ms of its sample; rows x and y."""
     samples = _samples()
     of = np.repeat(np.arange(len(samples["first"]) - 1), np.diff(samples["first"]))
-    bins = np.minimum(samples["t_us"] // _WAY_US, _BINS - 1)
-    way = np.empty((2, _BINS))
+    bins = np.minimum(samples["t_us"] // _BIN_US, _BINS - 1)
+    loop = np.empty((2, _BINS))
     for row, axis in enumerate("xy"):
         off = samples[axis] - (np.bincount(of, samples[axis]) / np.bincount(of))[of]
-        way[row] = [np.median(off[bins == one]) for one in range(_BINS)]
-    return way
+        loop[row] = [np.median(off[bins == one]) for one in range(_BINS)]
+    return loop
 
 
-def _way(t_us: NDArray[np.int64]) -> NDArray[np.float64]:
+def _loop(t_us: NDArray[np.int64]) -> NDArray[np.float64]:
     """Where a digit is at times of its sample, (2, n) px from its middle."""
-    at = (np.arange(_BINS) + 0.5) * _WAY_US
+    at = (np.arange(_BINS) + 0.5) * _BIN_US
     return np.stack([np.interp(t_us, at, row) for row in _saccades()])
 
 
@@ -127,11 +127,11 @@ def _extent(places: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float
     return (low + high) / 2, high - low + 1
 
 
-def _on_the_way(sample: Events, t_us: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _in_the_loop(sample: Events, t_us: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Where the digit of a repeated sample is, (2, n) px from its path, and its velocity there beside that of the path."""
     period_us = _period_us(sample)
-    step_us = _WAY_US // 2
-    back, on, ahead = (_way((t_us + shift) % period_us) for shift in (-step_us, 0, step_us))
+    step_us = _BIN_US // 2
+    back, on, ahead = (_loop((t_us + shift) % period_us) for shift in (-step_us, 0, step_us))
     return on, (ahead - back) / (2 * step_us * 1e-6)
 
 

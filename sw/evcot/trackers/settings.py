@@ -35,7 +35,7 @@ def engine_settings(
         preset: one of the engine's; None: its first, or of "cot" the one for the sensor.
         config: a TOML file that overrides the preset.
         look: reads the recording; with it, `AUTO` and `AUTO_PAPER` are presets of "cot", too.
-        say: takes a line on what these saw and chose.
+        say: is given a line on what was seen and chosen.
         mark: what messages have in front of an argument's name: `--` on the command line.
 
     Raises:
@@ -44,14 +44,14 @@ def engine_settings(
     if engine not in ENGINES:
         raise ConfigError(f"{mark}engine {engine}: must be one of {', '.join(ENGINES)}{meant(engine, ENGINES)}")
     presets = ENGINES[engine].presets
-    seen = (AUTO, AUTO_PAPER) if engine == "cot" and look else ()
-    if preset not in (None, *presets, *seen):
-        known = (*presets, *seen)
+    by_look = (AUTO, AUTO_PAPER) if engine == "cot" and look else ()
+    known = (*presets, *by_look)
+    if preset not in (None, *known):
         raise ConfigError(
             f"{mark}preset {preset}: must be one of {', '.join(known)} with {mark}engine {engine}{meant(str(preset), known)}"
         )
     name = preset or (for_sensor(sensor[0]).name if engine == "cot" else next(iter(presets)))
-    settings = _as_seen(name, look, sensor, say) if look and name in seen else presets[name]
+    settings = _as_seen(name, look, sensor, say) if look and name in by_look else presets[name]
     if isinstance(settings, RunConfig):
         settings = load_toml(config, settings) if config else settings
         return settings, settings.filters

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
+from support.stamp_tokens import Token, TokenMemory
 from support.testing import lint
 
 TOP = "cell_memory"
@@ -27,35 +26,16 @@ class Wanted(NamedTuple):
     ages: dict[int, int] | None  # bank -> age, of those that may support; None if nothing was asked
 
 
-@dataclass
-class Memory:
-    """The hardware, clock by clock, beside the time and the place of each cell's last stored event."""
+class Memory(TokenMemory[Wanted]):
+    """Beside the hardware, time and place of each cell's last stored event."""
 
-    side: int
-    stamp_w: int
-    silence: int
-    now: int = 0
-    last: dict[tuple[int, int], tuple[int, int, int]] = field(default_factory=dict)  # cell -> time, x, y
-    waiting: list[Wanted] = field(default_factory=list)
-    kinds: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("stored", "silent", "supported", "other pixel"), 0))
-
-    def __post_init__(self) -> None:
+    def __init__(self, side: int, stamp_w: int, silence: int) -> None:
+        self.side, self.stamp_w, self.silence, self.keep = side, stamp_w, silence, 3 << stamp_w - 2
+        self.now = 0
+        self.last: dict[tuple[int, int], tuple[int, int, int]] = {}  # cell -> time, x, y
+        self.kinds = dict.fromkeys(("stored", "silent", "supported", "other pixel"), 0)
         shape = {"X_W": X_W, "Y_W": Y_W, "WIDTH": WIDTH, "HEIGHT": HEIGHT, "STEP_W": STEP_W, "DATA_W": DATA_W}
-        self.sim = load(TOP, {**shape, "CELL_PX": self.side})
-        self.keep = 3 << self.stamp_w - 2
-        self.sim.io.advance, self.sim.io.silence = 1, self.silence
-        reset(self.sim)
-        self.cleared_after = 0
-        while not self.sim.io.idle:
-            self.clock()
-            self.cleared_after += 1
-
-    def clock(self, advance: bool = True) -> None:
-        io = self.sim.io
-        io.advance = int(advance)
-        if io.m_valid and advance:
-            self.compare(self.waiting.pop(0))
-        self.sim.clock.tick()
+        super().__init__(load(TOP, {**shape, "CELL_PX": side}), closed=False, silence=silence)
 
     def compare(self, wanted: Wanted) -> None:
         io, mask = self.sim.io, (1 << self.stamp_w) - 1
@@ -66,29 +46,25 @@ class Memory:
         young = {bank: age for bank in reached if (age := int(io.m_age) >> bank * self.stamp_w & mask) < self.keep}
         assert young == {bank: age for bank, age in wanted.ages.items() if age < self.keep}
 
-    def offer(self, step: int, access: bool, x: int, y: int, data: int) -> bool:
-        """Put a token on offer for the coming clock; whether that takes it."""
-        io = self.sim.io
-        io.s_valid, io.s_step, io.s_access, io.s_x, io.s_y, io.s_data = 1, step, int(access), x, y, data
-        if not io.s_ready:
-            return False
+    def awaited(self, token: Token) -> Wanted:
+        step, access, x, y, data = token
         self.now += step
         inside, cell = x < WIDTH and y < HEIGHT, (x // self.side, y // self.side)
-        ages, stays = {}, access and inside
+        if not (access and inside):
+            return Wanted(data, inside, False, None)
+        ages = {}
+        for column in range(cell[0] - 1, cell[0] + 2):
+            for row in range(cell[1] - 1, cell[1] + 2):
+                then, *place = self.last.get((column, row), (None, x, y))
+                if then is not None and ((column, row) != cell or place != [x, y]):
+                    ages[4 * (row % 4) + column % 4] = self.now - then
+                    self.kinds["other pixel" if (column, row) == cell else "supported"] += 1
+        then, *place = self.last.get(cell, (None, x, y))
+        stays = not (then is not None and place == [x, y] and self.now - then < self.silence)
+        self.kinds["stored" if stays else "silent"] += 1
         if stays:
-            for column in range(cell[0] - 1, cell[0] + 2):
-                for row in range(cell[1] - 1, cell[1] + 2):
-                    then, *place = self.last.get((column, row), (None, x, y))
-                    if then is not None and ((column, row) != cell or place != [x, y]):
-                        ages[4 * (row % 4) + column % 4] = self.now - then
-                        self.kinds["other pixel" if (column, row) == cell else "supported"] += 1
-            then, *place = self.last.get(cell, (None, x, y))
-            stays = not (then is not None and place == [x, y] and self.now - then < self.silence)
-            self.kinds["stored" if stays else "silent"] += 1
-            if stays:
-                self.last[cell] = self.now, x, y
-        self.waiting.append(Wanted(data, inside, stays, ages if access and inside else None))
-        return True
+            self.last[cell] = self.now, x, y
+        return Wanted(data, inside, stays, ages)
 
 
 @pytest.mark.parametrize("cell_px", [3, 8])
@@ -111,26 +87,14 @@ def test_what_is_read_and_stored_is_that_of_a_record_without_end(side: int, stam
     for run, (busy, rate, freely, spread) in enumerate(
         [(1.0, 0.2, 1.0, 2), (0.6, 1, 0.7, 5), (0.4, 1, 1.0, 27), (0.9, 9, 0.6, 5)]
     ):
-        rng = np.random.default_rng([31, side, run])
-        offering = False
-        for _ in range(700):
-            if not offering and rng.random() < busy:
-                step = min((1 << STEP_W) - 1, int(rng.poisson(rate)))
-                at = int(rng.integers(WIDTH + 1)) // spread * spread, int(rng.integers(HEIGHT + 1)) // spread * spread
-                x, y = (min(place + int(rng.integers(2)), end) for place, end in zip(at, (WIDTH, HEIGHT), strict=True))
-                token = step, bool(rng.random() < 0.9), x, y, int(rng.integers(1 << DATA_W))
-                offering = True
-            advance = bool(rng.random() < freely)
-            memory.sim.io.advance = int(advance)
-            taken = offering and memory.offer(*token)
-            memory.sim.io.s_valid = int(offering)
-            memory.clock(advance)
-            offering = offering and not taken
-        memory.sim.io.s_valid = 0
-        for _ in range(60):
-            memory.clock()
-        assert memory.sim.io.idle
-        assert memory.waiting == []
+
+        def draw(rng: np.random.Generator, rate: float = rate, spread: int = spread) -> Token:
+            step = min((1 << STEP_W) - 1, int(rng.poisson(rate)))
+            at = int(rng.integers(WIDTH + 1)) // spread * spread, int(rng.integers(HEIGHT + 1)) // spread * spread
+            x, y = (min(place + int(rng.integers(2)), end) for place, end in zip(at, (WIDTH, HEIGHT), strict=True))
+            return step, bool(rng.random() < 0.9), x, y, int(rng.integers(1 << DATA_W))
+
+        memory.run(np.random.default_rng([31, side, run]), 700, busy, freely, draw)
     print(memory.kinds)
     assert all(count > 60 for name, count in memory.kinds.items() if name != "other pixel")
     assert memory.kinds["other pixel"] == 0 if side == 1 else memory.kinds["other pixel"] > 60
@@ -143,12 +107,10 @@ def test_silence_is_measured_from_the_last_event_that_was_stored(side: int, stam
     for between in range(9):
         memory = Memory(side, stamp_w, silence)
         for step, stays in ((0, True), (silence - 1, False), (1, True), (silence, True)):
-            assert memory.offer(step, True, 6, 5, 1)
+            assert memory.offer((step, True, 6, 5, 1))
             assert memory.waiting[-1].stays == stays
             memory.clock()
             memory.sim.io.s_valid = 0
             for _ in range(between):
                 memory.clock()
-        while not memory.sim.io.idle:
-            memory.clock()
-        assert memory.waiting == []
+        memory.rest()

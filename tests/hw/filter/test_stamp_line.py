@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -34,11 +33,10 @@ class Slot(NamedTuple):
 EMPTY = Slot()
 
 
-@dataclass
 class Line:
     """The hardware, with stages as stamp_slots.v has them, beside a record of the last event of each column."""
 
-    def __post_init__(self) -> None:
+    def __init__(self) -> None:
         self.sim = load(
             TOP,
             {"PLACES": PLACES, "PLACE_W": PLACE_W, "OTHER_W": OTHER_W, "ROWS": ROWS, "ROW_W": ROW_W, "STAMP_W": STAMP_W,

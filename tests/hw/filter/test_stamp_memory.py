@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
-from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
+from support.stamp_tokens import Token, TokenMemory
 from support.testing import lint
 
 FILTERS = ("filter_refractory", "filter_activity", "filter_decay")
@@ -65,69 +65,45 @@ def test_a_segment_must_leave_ages_to_tell(segment_w: int) -> None:
     assert "SEGMENT_W_must_be_1_to_W_minus_2" in log
 
 
-@dataclass
-class Memory:
-    """The hardware, clock by clock, beside a plain record of when each pixel last had an event."""
+class Wanted(NamedTuple):
+    """What belongs to a token."""
 
-    stamp_w: int
-    segment_w: int
-    now: int = 0
-    last: dict[tuple[int, int], int] = field(default_factory=dict)
-    waiting: list[dict[str, object]] = field(default_factory=list)
-    compared: int = 0
+    data: int
+    inside: bool
+    asked: bool
+    ages: dict[int, int | None]  # bank -> age of each neighbour; None: it never had an event
 
-    def __post_init__(self) -> None:
+
+class Memory(TokenMemory[Wanted]):
+    """Beside the hardware, when each pixel last had an event."""
+
+    def __init__(self, stamp_w: int, segment_w: int) -> None:
+        self.stamp_w, self.keep = stamp_w, (1 << stamp_w) - (2 << segment_w)
+        self.now = self.compared = 0
+        self.last: dict[tuple[int, int], int] = {}
         shape = {"X_W": 4, "Y_W": 3, "WIDTH": WIDTH, "HEIGHT": HEIGHT, "STEP_W": 6, "DATA_W": 16}
-        self.sim = load("stamp_memory", {**shape, "STAMP_W": self.stamp_w, "SEGMENT_W": self.segment_w})
-        self.keep = (1 << self.stamp_w) - (2 << self.segment_w)
-        self.sim.io.advance = 1
-        reset(self.sim)
-        self.cleared_after = 0
-        while not self.sim.io.idle:
-            assert not self.sim.io.s_ready
-            self.clock()
-            self.cleared_after += 1
+        super().__init__(load("stamp_memory", {**shape, "STAMP_W": stamp_w, "SEGMENT_W": segment_w}), closed=True)
 
-    def clock(self, advance: bool = True) -> None:
-        """One clock; what comes out is compared."""
-        io = self.sim.io
-        io.advance = int(advance)
-        if io.m_valid and advance:
-            self.compare(self.waiting.pop(0))
-        self.sim.clock.tick()
-
-    def compare(self, wanted: dict[str, object]) -> None:
+    def compare(self, wanted: Wanted) -> None:
         io = self.sim.io
         ages, near, mask = int(io.m_age), int(io.m_near), (1 << self.stamp_w) - 1
-        neighbours: dict[int, int | None] = wanted["neighbours"]  # type: ignore[assignment]
-        assert int(io.m_data) == wanted["data"]
-        assert bool(io.m_inside) == wanted["inside"]
-        assert {bank for bank in range(16) if near >> bank & 1} == set(neighbours)
-        for bank, age in neighbours.items():
+        assert (int(io.m_data), bool(io.m_inside)) == (wanted.data, wanted.inside)
+        assert {bank for bank in range(16) if near >> bank & 1} == set(wanted.ages)
+        for bank, age in wanted.ages.items() if wanted.asked else ():
             result = ages >> bank * self.stamp_w & mask
-            if age == -1:
-                continue
             assert result == age if age is not None and age < self.keep else result >= self.keep
         self.compared += 1
 
-    def offer(self, step: int, access: bool, x: int, y: int, data: int) -> bool:
-        """Puts a token on offer for the coming clock; whether that takes it."""
-        io = self.sim.io
-        io.s_valid, io.s_step, io.s_access, io.s_x, io.s_y, io.s_data = 1, step, int(access), x, y, data
-        if not io.s_ready:
-            return False
+    def awaited(self, token: Token) -> Wanted:
+        step, access, x, y, data = token
         self.now += step
         inside = x < WIDTH and y < HEIGHT
         beside = [(x + dx, y + dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if (dx or dy) and inside]
         beside = [(i, j) for i, j in beside if 0 <= i < WIDTH and 0 <= j < HEIGHT]
         then = {4 * (j % 4) + i % 4: self.last.get((i, j)) for i, j in beside}
-        ages = {bank: None if stamp is None else self.now - stamp for bank, stamp in then.items()}
-        if not access:
-            ages = dict.fromkeys(ages, -1)  # not asked
-        self.waiting.append({"data": data, "inside": inside, "neighbours": ages})
         if access and inside:
             self.last[x, y] = self.now
-        return True
+        return Wanted(data, inside, access, {bank: None if stamp is None else self.now - stamp for bank, stamp in then.items()})
 
 
 @pytest.mark.parametrize(("stamp_w", "segment_w"), [(4, 2), (9, 6)])
@@ -135,25 +111,13 @@ def test_ages_are_those_of_a_record_without_end(stamp_w: int, segment_w: int) ->
     memory = Memory(stamp_w, segment_w)
     assert memory.cleared_after == SQUARES + 5
     for run, (busy, rate, freely) in enumerate([(1.0, 0.3, 1.0), (0.6, 2, 0.7), (0.2, 1, 1.0), (0.9, 20, 0.6)]):
-        rng = np.random.default_rng([7, run])
-        offering = False
-        for _ in range(350):
-            if not offering and rng.random() < busy:
-                step = min(63, int(rng.poisson(rate)))
-                x, y, data = (int(rng.integers(end)) for end in (WIDTH + 1, HEIGHT + 1, 1 << 16))
-                access = bool(rng.random() < 0.9)
-                offering = True
-            advance = bool(rng.random() < freely)
-            memory.sim.io.advance = int(advance)
-            taken = offering and memory.offer(step, access, x, y, data)
-            memory.sim.io.s_valid = int(offering)
-            memory.clock(advance)
-            offering = offering and not taken
-        memory.sim.io.s_valid = 0
-        for _ in range(100):
-            memory.clock()
-        assert memory.sim.io.idle
-        assert memory.waiting == []
+
+        def draw(rng: np.random.Generator, rate: float = rate) -> Token:
+            step = min(63, int(rng.poisson(rate)))
+            x, y, data = (int(rng.integers(end)) for end in (WIDTH + 1, HEIGHT + 1, 1 << 16))
+            return step, bool(rng.random() < 0.9), x, y, data
+
+        memory.run(np.random.default_rng([7, run]), 350, busy, freely, draw)
     print(f"{memory.compared} lookups")
     assert memory.compared > 200
 
@@ -162,15 +126,15 @@ def test_visits_are_repeated_until_no_event_is_in_their_way() -> None:
     """A token that enters the next segment waits for the walk, however often events undid its visits before."""
     memory = Memory(stamp_w=4, segment_w=2)
     for step in (3, 1):  # segment 1: nothing has been visited
-        assert memory.offer(step, False, 0, 0, 0)
+        assert memory.offer((step, False, 0, 0, 0))
         memory.clock()
     for i in range(50):  # at the same tick, none of them waits
-        assert memory.offer(0, True, i % 9, i % 6, i)
+        assert memory.offer((0, True, i % 9, i % 6, i))
         memory.clock()
     waited = 0
-    assert memory.offer(4, False, 0, 0, 99)
+    assert memory.offer((4, False, 0, 0, 99))
     memory.clock()
-    while not memory.offer(0, False, 0, 0, 100):
+    while not memory.offer((0, False, 0, 0, 100)):
         memory.clock()
         waited += 1
     assert SQUARES <= waited <= SQUARES + 6

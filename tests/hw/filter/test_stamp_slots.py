@@ -124,7 +124,7 @@ def test_rows_are_visited_in_turn_and_often_enough() -> None:
     slots = run(random_tokens(600, 4), sometimes(np.random.default_rng(6), 0.8))
     rows = [row for _, row in slots.visited]
     assert rows == [i % ROWS for i in range(len(rows))]
-    stamps = np.array([stamp for stamp, _ in slots.visited]).reshape(-1)[: len(rows) // ROWS * ROWS].reshape(-1, ROWS)
+    stamps = np.array([stamp for stamp, _ in slots.visited])[: len(rows) // ROWS * ROWS].reshape(-1, ROWS)
     apart = np.diff(stamps, axis=0) % (1 << STAMP_W)
     assert len(apart) > 20
     assert apart.max() < 2 << SEGMENT_W

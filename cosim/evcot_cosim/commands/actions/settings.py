@@ -28,12 +28,11 @@ def configured(
     """The engine's settings and the filters in front: the preset, with the file's and then the options' changes.
 
     Args:
-        look: see `engine_settings`; what registers were read off it is said on stderr.
+        look: see `engine_settings`; what was seen and chosen is printed on stderr.
     """
-    quiet = getattr(options, "quiet", False)
     settings, filters = engine_settings(
         options.engine, sensor, options.preset, options.config,
-        look=look, say=lambda line: None if quiet else print(line, file=sys.stderr), mark="--",
+        look=look, say=lambda line: None if options.quiet else print(line, file=sys.stderr), mark="--",
     )  # fmt: skip
     if isinstance(settings, RunConfig):
         if options.set:

@@ -31,8 +31,8 @@ module motion_match #(
     output reg  [N-1:0]      window_y,
     input  wire [N-1:0]      visible,
     input  wire [N-1:0]      candidate,
-    input  wire [N-1:0]      fresh,       // a candidate begins in one of these, if there are any,
-    input  wire [N-1:0]      empty,       // else in one of these
+    input  wire [N-1:0]      fresh,       // free, and without a track that may return: a candidate begins in one of these
+    input  wire [N-1:0]      empty,       // free: or in one of these, if none is fresh
 
     // two clocks later
     input  wire              is_op,       // the owner is this one
