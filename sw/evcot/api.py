@@ -24,7 +24,7 @@ from .scenes.registry import simulate_scene
 from .scenes.scene import Scene
 from .scenes.truth import Truth
 from .trackers.config import RunConfig
-from .trackers.engines import ENGINES
+from .trackers.engines import DEFAULT, ENGINES
 from .trackers.settings import engine_settings
 from .tracks.formats.base import FrameClock
 from .tracks.formats.of_log import log_of_boxes
@@ -55,7 +55,7 @@ def filter_recording(recording: Recording, config: FilterConfig | None = None, *
 def track(
     source: Recording | Path | str,
     /,
-    engine: str = "auto",
+    engine: str = DEFAULT,
     preset: str | None = None,
     *,
     config: Path | str | None = None,
@@ -72,8 +72,8 @@ def track(
     Args:
         source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
         engine: one of `ENGINES`.
-        preset: one of `ENGINES[engine].presets`; None: the first, or, for "cot", the one for the sensor. For "cot" also "auto"
-            and "auto-paper": registers by what is seen in the recording, which is then read twice.
+        preset: one of `ENGINES[engine].presets`; None: the first. For "cot" also "auto-paper": registers by what is seen in
+            the recording, which is then read twice.
         config: a TOML file that overrides the preset.
         settings: an object with all of the engine's settings, in place of preset and file; for "cot" a `RunConfig`.
         filters: those in front of the tracker; None: the preset's.

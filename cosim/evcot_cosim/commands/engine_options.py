@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 
-from evcot.trackers.engines import ENGINES
+from evcot.trackers.engines import DEFAULT, ENGINES
 
 from .parsing import group_of, input_path
 
@@ -16,7 +16,7 @@ def engine_options(parser: argparse.ArgumentParser) -> None:
     """Add --engine, --preset, --config and --set."""
     engines = "; ".join(f"{name}: {engine.title}" for name, engine in ENGINES.items())
     group = group_of(parser, "engine")
-    group.add_argument("--engine", choices=ENGINES, default="auto", help=f"{engines} (default: auto)")
+    group.add_argument("--engine", choices=ENGINES, default=DEFAULT, help=f"{engines} (default: {DEFAULT})")
     group.add_argument("--preset", metavar="NAME", help="one of `evcot presets --engine ENGINE` (default: its first)")
     group.add_argument(
         "--config", type=input_path, metavar="TOML", help="a file whose table named after the engine overrides the preset"

@@ -24,11 +24,14 @@ class ActivityFilter(EventFilter):
 
     With cells, the 9 cells around support it, its own if that cell's last event was on another pixel; times are in units of
     2^stamp_shift ticks.
+
+    Attributes:
+        support: neighbours that an event needs; may be changed between runs of events.
     """
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._ticks = registers.activity_ticks
-        self._support = registers.activity_support
+        self.support = registers.activity_support
         self._cells: CellMemory | None = None
         if shape.cell_px:
             self._cells = CellMemory(shape)
@@ -42,10 +45,10 @@ class ActivityFilter(EventFilter):
         if self._cells is not None:
             cells = self._cells
             memory = cells.last, cells.place, cells.bits
-            rule = self._shift, self._units, self._support
+            rule = self._shift, self._units, self.support
             _narrow_cells(*memory, *self._size, *rule, events.ticks, events.x, events.y, keep)
             return
-        _narrow(self._last, self._ticks, self._support, events.ticks, events.x, events.y, keep)
+        _narrow(self._last, self._ticks, self.support, events.ticks, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -54,9 +55,11 @@ class FilterChain(EventFilter):
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         registers.check(shape)
-        enabled = [which for which in Filter if registers.enables(which)]
-        self._filters = {which: FILTERS[which](registers, shape) for which in enabled}
-        self.totals = dict.fromkeys(enabled, Total(0, 0))
+        self._use({which: FILTERS[which](registers, shape) for which in Filter if registers.enables(which)})
+
+    def _use(self, filters: Mapping[Filter, EventFilter]) -> None:
+        self._filters = {which: filters[which] for which in Filter if which in filters}
+        self.totals = dict.fromkeys(self._filters, Total(0, 0))
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
         left = int(np.count_nonzero(keep))

@@ -21,6 +21,7 @@ FILTER_RANGES: dict[str, Range] = {
     "refractory_us": (0, 10**9, "silence of a pixel after an event; 0 is off"),
     "activity_us": (0, 10**9, "oldest neighbour that supports an event; 0 is off"),
     "activity_support": (1, 8, "neighbours that an event needs"),
+    "activity_noise_hz": (0.0, 1e6, "noise that may pass, per pixel and second; neighbours follow it; 0 is off"),
     "recent_us": (0, 10**9, "age past which an event leaves the FIFO; 0 is off"),
     "recent_radius": (1, 15, "how near an event in the FIFO must be, pixels"),
     "recent_support": (1, 256, "events in the FIFO that an event needs"),
@@ -43,6 +44,8 @@ class FilterConfig:
         region: (x0, y0, x1, y1), first and last column and row that pass, in pixels; None is off.
         polarity: the polarity that passes; None is off.
         hot_pixels: (x, y) of the pixels that are masked.
+        activity_noise_hz: events of noise that may pass the activity filter, per pixel and second: the noise is measured, and
+            activity_support follows it, and pixels that never rest are masked, too; in software only. 0 is off.
         cell_px: memories of refractory, activity and decay: 0, a time stamp per pixel in each; 1, 2 or 4, cells of this side,
             with one memory for the first two.
 
@@ -56,6 +59,7 @@ class FilterConfig:
     refractory_us: int = 0
     activity_us: int = 0
     activity_support: int = 1
+    activity_noise_hz: float = 0.0
     recent_us: int = 0
     recent_radius: int = 4
     recent_support: int = 1
@@ -83,6 +87,8 @@ class FilterConfig:
         check_ranges("filters", self, FILTER_RANGES)
         if self.cell_px not in CELL_PX:
             raise ConfigError(f"filters.cell_px = {self.cell_px}: must be 0, 1, 2 or 4")
+        if self.activity_noise_hz and not self.activity_us:
+            raise ConfigError(f"filters.activity_noise_hz = {self.activity_noise_hz:g}: must be 0 without activity_us")
         if self.recent_support > self.recent_depth:
             raise ConfigError(
                 f"filters.recent_support = {self.recent_support}: must be at most recent_depth = {self.recent_depth}"

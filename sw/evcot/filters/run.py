@@ -13,6 +13,7 @@ from ..ticks import TickCounter
 from .chain import FilterChain, Total
 from .config import FilterConfig
 from .contract import Filter
+from .following import FollowingChain
 
 __all__ = ["Filtered", "apply", "filtered"]
 
@@ -50,7 +51,15 @@ def filtered(blocks: Iterable[Events], config: FilterConfig, sensor: tuple[int, 
     Raises:
         ConfigError: a time that cannot be represented in ticks, or a hot pixel outside the sensor.
     """
-    return Filtered(blocks, FilterChain(config.registers(tick_us), config.shape(*sensor)), tick_us)
+    return Filtered(blocks, _chain_of(config, sensor, tick_us), tick_us)
+
+
+def _chain_of(config: FilterConfig, sensor: tuple[int, int], tick_us: int = 1) -> FilterChain:
+    """The chain of these filters, in software; raises as `filtered` does."""
+    registers, shape = config.registers(tick_us), config.shape(*sensor)
+    if config.activity_noise_hz:
+        return FollowingChain(registers, shape, config.activity_noise_hz, tick_us)
+    return FilterChain(registers, shape)
 
 
 def apply(recording: Recording, config: FilterConfig, tick_us: int = 1) -> tuple[Recording, NDArray[np.bool_]]:

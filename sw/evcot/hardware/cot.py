@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Events, Recording
+from ..filters.base import EventFilter
 from ..filters.chain import FilterChain
 from ..ticks import TickCounter, TickedEvents
 from ..tracks.log import TRACK, Kind, TrackLog
@@ -200,17 +201,26 @@ def to_track_records(
 
 
 class CotTracker:
-    """The model with times in microseconds, tick 0 at the first event. See `tracking.Tracker`."""
+    """The model with times in microseconds, tick 0 at the first event. See `tracking.Tracker`.
 
-    def __init__(self, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> None:
+    Args:
+        config, arrangement: see `CotModel`.
+        before: a filter in front of the model, which has none itself.
+    """
+
+    def __init__(
+        self, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY, before: EventFilter | None = None
+    ) -> None:
         self._config = config
+        self._before = before
         self._model = CotModel(config, arrangement)
         self._clock = TickCounter(config.tick_us)
         self._seen = 0
 
     def feed(self, events: Events) -> TrackerOutput:
         """See `tracking.Tracker`."""
-        decided = self._model.feed(self._clock.count(events))
+        ticked = self._clock.count(events)
+        decided = self._model.feed(ticked, self._before.feed(ticked) if self._before else None)
         records = to_track_records(decided.records, self._config, events.t_us, self._seen, self._clock.t0_us)
         self._seen += len(events)
         return records, decided.owner

@@ -62,6 +62,9 @@ class RunConfig:
         """
         if not self.filters.enabled:
             return self.cot
+        if self.filters.activity_noise_hz:
+            rule = "must be 0 in hardware, whose registers hold; choose activity_support"
+            raise ConfigError(f"filters.activity_noise_hz = {self.filters.activity_noise_hz:g}: {rule}")
         filters, shape = self.filters.registers(self.cot.tick_us), self.filters.shape(width, height)
         return replace(self.cot, filters=filters, filter_shape=shape)
 

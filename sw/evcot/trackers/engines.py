@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Start = Callable[[Any, FilterConfig, Sensor], Tracker]
 
-__all__ = ["ENGINES", "Engine"]
+__all__ = ["DEFAULT", "ENGINES", "Engine"]
 
 
 class _Parts(NamedTuple):
@@ -105,21 +105,29 @@ def _frames() -> _Parts:
 
 
 def _cot() -> _Parts:
-    """The golden model has its filters inside, as the hardware has them."""
+    """The golden model has its filters inside, as the hardware has them; but those that follow the stream are before it."""
+    from ..filters.config import FilterConfig
     from ..hardware.cot import CotTracker
     from . import presets
+    from .following import FollowingTracker
 
     def start(run: RunConfig, filters: FilterConfig, sensor: Sensor) -> Tracker:
-        return CotTracker(replace(presets.fit(run, *sensor), filters=filters).hardware(*sensor))
+        fitted = presets.fit(run, *sensor)
+        if filters.activity_noise_hz:
+            return FollowingTracker(replace(fitted, filters=FilterConfig()).hardware(*sensor), filters, sensor)
+        return CotTracker(replace(fitted, filters=filters).hardware(*sensor))
 
-    return _Parts(presets.PRESETS, start, {name: run.filters for name, run in presets.PRESETS.items()})
+    known = {presets.AUTO: presets.FOLLOWING, **presets.PRESETS}
+    return _Parts(known, start, {name: run.filters for name, run in known.items()})
 
 
 ENGINES: dict[str, Engine] = {
+    "cot": Engine("golden model of the hardware", _cot),
     "auto": Engine("objects by motion, with settings read off the stream", _auto),
     "rct": Engine("Rectangular Cluster Tracker", _rct),
     "kalman": Engine("extended objects by Kalman filters", _kalman),
     "mean-shift": Engine("mean shift on packets of events", _mean_shift),
     "frames": Engine("connected components of frames", _frames),
-    "cot": Engine("golden model of the hardware", _cot),
 }
+
+DEFAULT = next(iter(ENGINES))

@@ -17,7 +17,7 @@ from .rct.presets import PRESETS as RCT_PRESETS
 __all__ = ["AUTO", "AUTO_PAPER", "PRESETS", "fit", "for_sensor", "preset", "run_config"]
 
 # Beside presets: read off a recording, see `auto_registers`.
-AUTO = "auto"  # the array with motion
+AUTO = "auto"  # the array with motion; as a tracker's preset `FOLLOWING`, which reads nothing ahead
 AUTO_PAPER = "auto-paper"  # the array without it, whose windows are squares of one initial size
 
 
@@ -109,12 +109,13 @@ def _motion() -> RunConfig:
     The registers that differ from those after a reset were found by a search over many kinds of scenes (docs/auto.md).
     """
     registers = MotionRegisters(
-        enable=1, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, coast_slow=2, nev_high=325, ring_max=21, ring_any=2,
-        elongation=3, detect_ticks=7_521, life_log2=2, life_ticks=40_000, coast_ticks=93_951, return_ticks=500_000,
-        birth_support=260, birth_px=2, birth_ticks=12_000, birth_travel=2, gap_corrections=21, gap_share=8, join_px=3,
+        enable=1, step_log2=12, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, friction=5, coast_slow=2, nev_high=325,
+        ring_max=21, ring_any=2, elongation=3, detect_ticks=7_521, life_log2=2, life_ticks=40_000, coast_ticks=93_951,
+        return_ticks=500_000, birth_support=260, birth_px=2, birth_ticks=12_000, birth_travel=2, gap_corrections=21, gap_share=8,
+        join_steps=2, join_px=3, report_steps=1,
     )  # fmt: skip
     cot = CotConfig(Shape(n_slots=16), motion=registers)
-    filters = FilterConfig(refractory_us=1_000, activity_us=5_000)
+    filters = FilterConfig(refractory_us=1_000, activity_us=10_000)
     return RunConfig("motion", cot, filters=filters, software="auto", software_filters=FilterConfig())
 
 
@@ -133,6 +134,14 @@ PRESETS: dict[str, RunConfig] = {
         _motion(),
     )
 }
+
+FOLLOWING = replace(
+    PRESETS["motion"],
+    name=AUTO,
+    cot=replace(PRESETS["motion"].cot, shape=Shape(n_slots=32), slots=PRESETS["motion"].cot.slots * 2),
+    filters=FilterConfig(refractory_us=1_000, activity_us=40_000, activity_noise_hz=0.03),
+)
+"""The array with motion on any recording or live stream: its filters follow the noise, all else follows the objects."""
 
 # Maximum sensor width for each preset.
 _WIDTHS = {"dvs128": 128, "davis346": 346, "vga": 640, "hd": 1280}

@@ -13,7 +13,7 @@ from ..filters.config import FilterConfig
 from ..recordings.formats.source import Sensor
 from .config import RunConfig, load_toml, load_tracker
 from .engines import ENGINES
-from .presets import AUTO, AUTO_PAPER, for_sensor
+from .presets import AUTO_PAPER
 
 __all__ = ["engine_settings"]
 
@@ -32,9 +32,9 @@ def engine_settings(
 
     Args:
         sensor: (width, height) in pixels.
-        preset: one of the engine's; None: its first, or of "cot" the one for the sensor.
+        preset: one of the engine's; None: its first.
         config: a TOML file that overrides the preset.
-        look: reads the recording; with it, `AUTO` and `AUTO_PAPER` are presets of "cot", too.
+        look: reads the recording; with it, `AUTO_PAPER` is a preset of "cot", too.
         say: is given a line on what was seen and chosen.
         mark: what messages have in front of an argument's name: `--` on the command line.
 
@@ -44,13 +44,13 @@ def engine_settings(
     if engine not in ENGINES:
         raise ConfigError(f"{mark}engine {engine}: must be one of {', '.join(ENGINES)}{meant(engine, ENGINES)}")
     presets = ENGINES[engine].presets
-    by_look = (AUTO, AUTO_PAPER) if engine == "cot" and look else ()
+    by_look = (AUTO_PAPER,) if engine == "cot" and look else ()
     known = (*presets, *by_look)
     if preset not in (None, *known):
         raise ConfigError(
             f"{mark}preset {preset}: must be one of {', '.join(known)} with {mark}engine {engine}{meant(str(preset), known)}"
         )
-    name = preset or (for_sensor(sensor[0]).name if engine == "cot" else next(iter(presets)))
+    name = preset or next(iter(presets))
     settings = _as_seen(name, look, sensor, say) if look and name in by_look else presets[name]
     if isinstance(settings, RunConfig):
         settings = load_toml(config, settings) if config else settings

@@ -13,9 +13,9 @@ from evcot.errors import ConfigError, meant
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.ranges import read_pair, read_value
-from evcot.trackers.auto.estimates import seen_by
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
+from evcot.trackers.seen import seen_by
 from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
 
@@ -67,7 +67,7 @@ def plain(settings: Any) -> dict[str, Any]:
 
 
 def say_seen(tracker: Tracker, *, quiet: bool) -> None:
-    """Print what the automatic tracker has seen of the scene, a line on stderr; nothing of another tracker."""
+    """Print what a tracker that follows the scene has seen of it, a line on stderr; nothing of another tracker."""
     seen = None if quiet else seen_by(tracker)
     if seen is not None:
         print(seen, file=sys.stderr)

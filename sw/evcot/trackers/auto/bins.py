@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from ..bits import lowest, without_lowest
+from ...bits import lowest, without_lowest
 from .layout import BINS, World
 
 __all__ = ["NO_BINS", "clear", "fill", "find_parts", "pixels_in", "smooth", "span"]

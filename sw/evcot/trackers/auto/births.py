@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from ..bits import BYTES, bits_between, count
+from ...bits import BYTES, bits_between, count
 from .layout import CELL_BITS, INSIDE, LEVELS, NOBODY, Rules, World
 from .look import look_at_group
 

@@ -14,11 +14,21 @@ from numpy.typing import NDArray
 
 from ...events import Events
 from ...recordings.formats.source import Sensor
-from ...tracks.tracking import FilteredTracker, Tracker
 from .config import AutoConfig
 from .tracker import AutoTracker
 
-__all__ = ["SAMPLE_US", "SEEN_EVENTS", "SEEN_US", "Estimates", "Objects", "ObservedTracker", "Spread", "estimate", "seen_by"]
+__all__ = [
+    "SAMPLE_US",
+    "SEEN_EVENTS",
+    "SEEN_US",
+    "Estimates",
+    "Histogram",
+    "Objects",
+    "ObservedTracker",
+    "Spread",
+    "estimate",
+    "line",
+]
 
 SEEN_US, SEEN_EVENTS = 60_000_000, 20_000_000  # of a recording: what comes later is not looked at
 SAMPLE_US = 50_000  # between two looks at the tracker
@@ -83,17 +93,30 @@ class Estimates:
 
     def __str__(self) -> str:
         """A line for people."""
-        said = [f"auto: {self.sensor[0]}x{self.sensor[1]}", f"{self.seen_us / 1e6:.3g} s"]
-        said.append("noise unknown" if self.noise_hz is None else f"noise {self.noise_hz:.2g} Hz/pixel")
-        said.append(f"{len(self.hot_pixels)} hot pixel{'' if len(self.hot_pixels) == 1 else 's'}")
-        if self.objects is None:
-            return ", ".join([*said, "no object seen for long enough"])
-        size, speed = self.objects.long_px, self.objects.speed_px_s
-        sizes, speeds = f"{2 * size.low:.0f} to {2 * size.high:.0f} px", f"{speed.low:.0f} to {speed.high:.0f} px/s"
-        return ", ".join([*said, f"up to {self.alive_most} object{'' if self.alive_most == 1 else 's'} of {sizes}", speeds])
+        size, speed = (self.objects.long_px, self.objects.speed_px_s) if self.objects else (None, None)
+        return line(self.sensor, self.seen_us, self.noise_hz, len(self.hot_pixels), self.alive_most, size, speed)
 
 
-class _Histogram:
+def line(
+    sensor: Sensor, seen_us: int, noise_hz: float | None, hot: int, most: int, half_px: Spread | None, speed_px_s: Spread | None
+) -> str:
+    """What was seen of a scene, for people; None is unknown.
+
+    Args:
+        hot: number of pixels that never rest.
+        most: objects at once.
+        half_px: their longer half sides.
+    """
+    said = [f"auto: {sensor[0]}x{sensor[1]}", f"{seen_us / 1e6:.3g} s"]
+    said.append("noise unknown" if noise_hz is None else f"noise {noise_hz:.2g} Hz/pixel")
+    said.append(f"{hot} hot pixel{'' if hot == 1 else 's'}")
+    if half_px is None or speed_px_s is None:
+        return ", ".join([*said, "no object seen for long enough"])
+    sizes, speeds = f"{2 * half_px.low:.0f} to {2 * half_px.high:.0f} px", f"{speed_px_s.low:.0f} to {speed_px_s.high:.0f} px/s"
+    return ", ".join([*said, f"up to {most} object{'' if most == 1 else 's'} of {sizes}", speeds])
+
+
+class Histogram:
     """Counts of positive values in bins of equal ratio: memory does not grow with the stream."""
 
     def __init__(self) -> None:
@@ -103,15 +126,18 @@ class _Histogram:
         bins = (np.log10(np.maximum(values, _LOWEST) / _LOWEST) * _PER_DECADE).astype(np.int64)
         np.add.at(self._counts, np.minimum(bins, len(self._counts) - 1), 1)
 
+    @property
+    def any(self) -> bool:
+        return bool(self._counts.any())
+
     def quantile(self, share: float) -> float:
         at = int(np.searchsorted(np.cumsum(self._counts), share * self._counts.sum()))
         return float(_LOWEST * 10.0 ** ((at + 0.5) / _PER_DECADE))
 
-    @property
-    def added(self) -> int:
-        return int(self._counts.sum())
-
-    def spread(self) -> Spread:
+    def spread(self) -> Spread | None:
+        """None if there are too few to tell."""
+        if self._counts.sum() < _LEAST_SAMPLES:
+            return None
         return Spread(self.quantile(_LOW), self.quantile(0.5), self.quantile(_HIGH))
 
 
@@ -129,9 +155,9 @@ class ObservedTracker:
         self._events = 0
         self._hot = np.zeros((height, width), np.int32)
         self._hot_looks = 0
-        self._noise = _Histogram()
+        self._noise = Histogram()
         self._alive = np.zeros(config.max_objects + 1, np.int64)
-        self._spreads = {name: _Histogram() for name in ("half_px", "long_px", "speed_px_s", "pixels_per_px")}
+        self._spreads = {name: Histogram() for name in ("half_px", "long_px", "speed_px_s", "pixels_per_px")}
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """See `AutoTracker.feed`."""
@@ -183,13 +209,14 @@ class ObservedTracker:
         """What was seen so far."""
         looks = int(self._alive.sum())
         rows, columns = np.nonzero(self._hot > _HOT * self._hot_looks)
-        seen = {name: values.spread() for name, values in self._spreads.items() if values.added >= _LEAST_SAMPLES}
+        spreads = {name: values.spread() for name, values in self._spreads.items()}
+        seen = {name: spread for name, spread in spreads.items() if spread is not None}
         most = np.searchsorted(np.cumsum(self._alive), (0.5 * looks, _LATEST * looks)) if looks else (0, 0)
         return Estimates(
             self._sensor,
             self._last_us - self._first_us if self._first_us is not None else 0,
             self._events,
-            self._noise.quantile(0.5) if self._noise.added else None,
+            self._noise.quantile(0.5) if self._noise.any else None,
             tuple(zip(columns.tolist(), rows.tolist(), strict=True)),
             int(most[0]),
             int(most[1]),
@@ -215,10 +242,3 @@ def estimate(blocks: Iterable[Events], sensor: Sensor, config: AutoConfig | None
         if n < len(block):
             break
     return observed.estimates()
-
-
-def seen_by(tracker: Tracker) -> Estimates | None:
-    """What a tracker of `ENGINES` has seen so far, filters in front or not; None if it is another engine's."""
-    if isinstance(tracker, FilteredTracker):
-        tracker = tracker.tracker
-    return tracker.estimates() if isinstance(tracker, ObservedTracker) else None

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from ..bits import lowest, without_lowest
+from ...bits import lowest, without_lowest
 from ..kalman.motion import correct
 from .bins import NO_BINS, clear, fill, find_parts, pixels_in, smooth, span
 from .layout import BINS, CELL_BITS, NOBODY, Rules, World

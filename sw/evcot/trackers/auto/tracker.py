@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...events import Events, Recording
+from ...filters.restless import restless
 from ...tracks.log import TrackLog
 from ...tracks.tracking import track_recording
 from ..compiled import CompiledTracker
@@ -14,7 +15,6 @@ from .config import AutoConfig
 from .kernel import feed
 from .layout import make_rules, make_world
 from .life import RECORDS_PER_PACKET, close_packet
-from .restless import restless
 
 __all__ = ["SIGHTING", "AutoTracker", "track"]
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from ..bits import count
+from ...bits import count
 from .layout import CELL_BITS, NOBODY, PROFILE, Rules, World
 
 __all__ = ["find_births"]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import inlined_step, step
-from ..bits import lowest, without_lowest
+from ...bits import lowest, without_lowest
 from .layout import CELL_BITS, MANY, NOBODY, PROFILE, Rules, World
 
 __all__ = ["prepare_packet", "share"]

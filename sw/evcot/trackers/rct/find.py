@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from ..bits import lowest, without_lowest
+from ...bits import lowest, without_lowest
 from .lookup import cell_of
 from .state import Table, choice
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .._numba_private import step, trailing_zeros
+from ._numba_private import step, trailing_zeros
 
 __all__ = ["BYTES", "bits_between", "count", "lowest", "without_lowest"]
 

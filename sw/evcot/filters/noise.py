@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rate of noise, measured while a stream goes on; and how many neighbours an activity filter then needs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..bits import count
+
+__all__ = ["WINDOW_US", "NoiseRate", "support_against"]
+
+WINDOW_US = 20_000
+_CELL_BITS = 3  # cells of 8 x 8 pixels: a word each
+_MIX = 0.2  # share of the newest window
+_MANY_EMPTY = 0.3  # share of the cells
+_MEDIAN_ABOVE = 0.17  # the mean of a Poisson distribution lies about a sixth above its median, in proportion within a count
+_FULLEST = 0.95  # share of the pixels, beyond which their number tells nothing
+_MOST_NEIGHBOURS = 6
+
+
+class NoiseRate:
+    """Events per pixel and second of the background, from the pixels that sent any in windows of `WINDOW_US`.
+
+    Cells with moving objects send more than noise, so what counts is the share of cells without an event, or, if few are
+    empty, the median over the cells. About 2 ns per event.
+
+    Attributes:
+        hz: the estimate; None before the end of the first window.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        side = 1 << _CELL_BITS
+        self._pixels = np.zeros((-(-height // side), -(-width // side)), np.uint64)
+        self.hz: float | None = None
+
+    def add(self, x: NDArray[np.uint16], y: NDArray[np.uint16], keep: NDArray[np.bool_]) -> None:
+        """Add events of the open window, those of the mask, (n,) bool; all lie on the sensor."""
+        _add(self._pixels, x, y, keep)
+
+    def close(self, windows: int = 1) -> None:
+        """End the window, and `windows` - 1 after it that held no event."""
+        rate = _rate(self._pixels, 1e-6 * WINDOW_US)
+        self._pixels[:] = 0
+        hz = rate if self.hz is None else self.hz + _MIX * (rate - self.hz)
+        self.hz = hz * (1.0 - _MIX) ** (windows - 1)
+
+
+def support_against(noise_hz: float, within_us: float, passing_hz: float) -> int:
+    """The fewest of eight neighbours that noise must have sent events in, so that at most `passing_hz` a pixel of it passes.
+
+    The events of the neighbours within that time have a Poisson distribution; none is needed of noise that is less already.
+    """
+    by_chance = 8e-6 * noise_hz * within_us
+    enough = (n for n in range(_MOST_NEIGHBOURS) if noise_hz * _at_least(n, by_chance) <= passing_hz)
+    return next(enough, _MOST_NEIGHBOURS)
+
+
+def _at_least(count: int, mean: float) -> float:
+    """The probability of at least so many events, of a Poisson distribution with that mean."""
+    return 1.0 - sum(math.exp(-mean) * mean**number / math.factorial(number) for number in range(count))
+
+
+@njit(cache=True, nogil=True)
+def _add(pixels, x, y, keep):  # type: ignore[no-untyped-def]
+    for i in range(len(keep)):
+        if keep[i]:
+            bit = ((y[i] & 7) << 3) | (x[i] & 7)
+            pixels[y[i] >> _CELL_BITS, x[i] >> _CELL_BITS] |= np.uint64(1) << np.uint64(bit)
+
+
+@njit(cache=True, nogil=True)
+def _rate(pixels, window_s):  # type: ignore[no-untyped-def]
+    counts = np.zeros(65, np.int64)
+    for row in range(pixels.shape[0]):
+        for column in range(pixels.shape[1]):
+            counts[count(pixels[row, column])] += 1
+    cells = pixels.size
+    if counts[0] >= _MANY_EMPTY * cells:
+        mean = min(counts[1] / counts[0], -np.log(counts[0] / cells))
+    else:
+        below, k = counts[0], 0
+        while below < 0.5 * cells:
+            k += 1
+            below += counts[k]
+        mean = k + 0.5 - (below - 0.5 * cells) / counts[k] + _MEDIAN_ABOVE
+    return -np.log(1.0 - min(mean / 64.0, _FULLEST)) / window_s

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The golden model of the array behind filters that follow the noise: the tracker for any recording, and for a live stream."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..events import Events
+from ..filters.config import FilterConfig
+from ..filters.following import FollowingChain
+from ..hardware.config import CotConfig
+from ..hardware.cot import CotTracker
+from ..recordings.formats.source import Sensor
+from ..tracks.log import Kind
+from ..tracks.tracking import TrackerOutput
+from .auto.estimates import SAMPLE_US, Histogram, line
+
+__all__ = ["FollowingTracker"]
+
+_MOST = 0.99  # of the time, that many objects at most
+
+
+class FollowingTracker(CotTracker):
+    """The model, as the hardware would be with `activity_support` rewritten every 20 ms. See `tracking.Tracker`.
+
+    Args:
+        config: without filters.
+        filters: those before it.
+        sensor: (width, height) in pixels.
+
+    `str` of it says what it has seen of the scene so far.
+    """
+
+    def __init__(self, config: CotConfig, filters: FilterConfig, sensor: Sensor) -> None:
+        registers, shape = filters.registers(config.tick_us), filters.shape(*sensor)
+        self._chain = FollowingChain(registers, shape, filters.activity_noise_hz, config.tick_us)
+        super().__init__(config, before=self._chain)
+        self._sensor = sensor
+        self._first_us: int | None = None
+        self._last_us = 0
+        self._sightings = _Sightings(config.shape.n_slots)
+
+    def feed(self, events: Events) -> TrackerOutput:
+        """See `tracking.Tracker`."""
+        records, owner = super().feed(events)
+        self._sightings.add(records)
+        if len(events):
+            self._first_us = int(events.t_us[0]) if self._first_us is None else self._first_us
+            self._last_us = int(events.t_us[-1])
+        return records, owner
+
+    def __str__(self) -> str:
+        lasted_us = 0 if self._first_us is None else self._last_us - self._first_us
+        hot, seen = int(np.count_nonzero(self._chain.restless)), self._sightings
+        half_px, speed_px_s = seen.half_px.spread(), seen.speed_px_s.spread()
+        said = line(self._sensor, lasted_us, self._chain.noise_hz, hot, seen.most(), half_px, speed_px_s)
+        support = self._chain.support
+        return said if support is None else f"{said} -> an event needs {support} of 8 neighbours, by the noise at the end"
+
+
+class _Sightings:
+    """Boxes and speeds of the tracks, once in each `SAMPLE_US` in which they move; memory does not grow."""
+
+    def __init__(self, n_slots: int) -> None:
+        self.half_px, self.speed_px_s = Histogram(), Histogram()
+        self._alive = np.zeros(n_slots + 1, np.int64)
+        self._bin = 0
+        self._open = np.zeros((n_slots, 2))
+
+    def add(self, records: NDArray[np.void]) -> None:
+        moved = records[records["kind"] == Kind.MOVED]
+        bins = moved["t_us"] // SAMPLE_US
+        for begin, end in _runs(bins):
+            if bins[begin] != self._bin:
+                self._close()
+                self._bin = int(bins[begin])
+            part = moved[begin:end]
+            half_px = 0.5 * np.maximum(part["width"], part["height"])
+            self._open[part["slot"]] = np.stack([half_px, np.hypot(part["vx"], part["vy"])], 1)
+
+    def most(self) -> int:
+        """Tracks that moved at once."""
+        return int(np.searchsorted(np.cumsum(self._alive), _MOST * self._alive.sum())) if self._alive.any() else 0
+
+    def _close(self) -> None:
+        seen = self._open[self._open[:, 0] > 0.0]
+        self._alive[len(seen)] += 1
+        self.half_px.add(seen[:, 0])
+        self.speed_px_s.add(seen[:, 1])
+        self._open[:] = 0.0
+
+
+def _runs(bins: NDArray[np.int64]) -> list[tuple[int, int]]:
+    """The bounds of runs of equal values."""
+    edges = [0, *(np.flatnonzero(np.diff(bins)) + 1).tolist(), len(bins)]
+    return [(begin, end) for begin, end in pairwise(edges) if end > begin]
