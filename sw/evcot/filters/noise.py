@@ -15,7 +15,7 @@ __all__ = ["WINDOW_US", "NoiseRate", "support_against"]
 
 WINDOW_US = 20_000
 _CELL_BITS = 3  # cells of 8 x 8 pixels: a word each
-_MIX = 0.2  # share of the newest window
+_LASTING = 20  # windows, after which one counts no more
 _MANY_EMPTY = 0.3  # share of the cells
 _MEDIAN_ABOVE = 0.17  # the mean of a Poisson distribution lies about a sixth above its median, in proportion within a count
 _FULLEST = 0.95  # share of the pixels, beyond which their number tells nothing
@@ -25,8 +25,9 @@ _MOST_NEIGHBOURS = 6
 class NoiseRate:
     """Events per pixel and second of the background, from the pixels that sent any in windows of `WINDOW_US`.
 
-    Cells with moving objects send more than noise, so what counts is the share of cells without an event, or, if few are
-    empty, the median over the cells. About 2 ns per event.
+    It is the mean of the windows so far, or one that the last 0.4 s have most weight in. Cells with moving objects hold more
+    than noise: if many cells are empty, those with one pixel are compared with these, since cells with objects are of neither
+    kind; else the median over the cells counts. About 2 ns per event.
 
     Attributes:
         hz: the estimate; None before the end of the first window.
@@ -35,6 +36,7 @@ class NoiseRate:
     def __init__(self, width: int, height: int) -> None:
         side = 1 << _CELL_BITS
         self._pixels = np.zeros((-(-height // side), -(-width // side)), np.uint64)
+        self._share = 1.0  # of the newest window
         self.hz: float | None = None
 
     def add(self, x: NDArray[np.uint16], y: NDArray[np.uint16], keep: NDArray[np.bool_]) -> None:
@@ -45,8 +47,10 @@ class NoiseRate:
         """End the window, and `windows` - 1 after it that held no event."""
         rate = _rate(self._pixels, 1e-6 * WINDOW_US)
         self._pixels[:] = 0
-        hz = rate if self.hz is None else self.hz + _MIX * (rate - self.hz)
-        self.hz = hz * (1.0 - _MIX) ** (windows - 1)
+        hz = 0.0 if self.hz is None else self.hz
+        self.hz = hz + self._share * (rate - hz)
+        self._share = max(self._share / (1.0 + self._share), 1.0 / _LASTING)  # at first the mean of all
+        self.hz *= (1.0 - self._share) ** (windows - 1)
 
 
 def support_against(noise_hz: float, within_us: float, passing_hz: float) -> int:

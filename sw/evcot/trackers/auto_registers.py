@@ -25,13 +25,11 @@ def auto_config(seen: Estimates, name: str = AUTO) -> RunConfig:
 def told(seen: Estimates, config: RunConfig) -> str:
     """A line on what was seen, and what became of it."""
     cot, slot = config.cot, config.cot.slots[0]
-    if cot.motion.enable:
-        assumed = "preset motion"
-        step_ms = 2**cot.motion.step_log2 * cot.tick_us / 1e3
-        chosen = [f"{cot.shape.n_slots} slots with motion", f"steps of {step_ms:.3g} ms"]
-    else:
-        assumed = f"preset {for_sensor(seen.sensor[0]).name}"
-        chosen = [f"{cot.shape.n_slots} slots", f"radius {slot.init_radix + slot.radix_th} px", f"N_ev {slot.clust_nev}"]
+    chosen = [f"{cot.shape.n_slots} slots{' with motion' if cot.motion.enable else ''}"]
+    if not cot.motion.enable:
+        chosen += [f"radius {slot.init_radix + slot.radix_th} px", f"N_ev {slot.clust_nev}"]
         chosen.append(f"lifetime {slot.max_ticks * cot.tick_us / 1e3:g} ms")
+        if not seen.objects:
+            chosen.insert(0, f"preset {for_sensor(seen.sensor[0]).name} assumed")
     chosen += [f"{which.name.lower()} filter" for which in config.filters.filters]
-    return f"{seen} -> {'' if seen.objects else f'{assumed} assumed, '}{', '.join(chosen)}"
+    return f"{seen} -> {', '.join(chosen)}"

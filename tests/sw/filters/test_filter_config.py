@@ -71,7 +71,7 @@ class TestConfig:
     def test_a_number_takes_its_limits_and_nothing_beyond(self, name: str) -> None:
         low, high, meaning = FILTER_RANGES[name]
         for value in (low, high):
-            assert getattr(FilterConfig(**{"recent_depth": 256, name: value}), name) == value  # type: ignore[arg-type]
+            assert getattr(FilterConfig(**{"recent_depth": 256, "activity_us": 1, name: value}), name) == value  # type: ignore[arg-type]
         for wrong in (low - 1, high + 1, True, "2"):
             rule = f"must be from {span(low, high)} ({meaning})"
             assert refusal(**{name: wrong}) == f"filters.{name} = {wrong!r}: {rule}"
@@ -89,6 +89,7 @@ class TestConfig:
             ({"hot_pixels": "33"}, "hot_pixels = '33': must be a list of pixels"),
             ({"hot_pixels": [(1, 2), (1, -2)]}, "hot_pixels holds (1, -2): must be [x, y], each from 0 to 65535"),
             ({"hot_pixels": [(1, 2.0)]}, "hot_pixels holds (1, 2.0): must be [x, y], each from 0 to 65535"),
+            ({"activity_noise_hz": 0.5}, "activity_noise_hz = 0.5: must be 0 without activity_us"),
             ({"recent_support": 9, "recent_depth": 8}, "recent_support = 9: must be at most recent_depth = 8"),
         ],
     )
@@ -164,7 +165,7 @@ class TestRegisters:
     def test_every_legal_configuration_gives_legal_registers(self) -> None:
         for name, (low, high, _) in FILTER_RANGES.items():
             for value in (low, high):
-                config = replace(FilterConfig(recent_depth=256), **{name: value})  # type: ignore[arg-type]
+                config = replace(FilterConfig(recent_depth=256, activity_us=1), **{name: value})  # type: ignore[arg-type]
                 if not config.enabled:
                     config.registers(1).check(config.shape(346, 260))
 
@@ -196,7 +197,7 @@ class TestToml:
         ("text", "message"),
         [
             ("filters = 3", "top level: [filters] must be a table, not 3"),
-            ("[filters]\nradius = 3", "[filters]: unknown field 'radius': must be one of activity_support, "),
+            ("[filters]\nradius = 3", "[filters]: unknown field 'radius': must be one of activity_noise_hz, "),
             ("[filters]\nactivity_us = 1.5", "filters.activity_us = 1.5: must be from 0 to 1000000000 "),
             ("[filters]\nhot_pixels_file = 3", "[filters]: hot_pixels_file = 3: must be a file name, given "),
             (
