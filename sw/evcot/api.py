@@ -25,7 +25,7 @@ from .scenes.scene import Scene
 from .scenes.truth import Truth
 from .trackers.config import RunConfig
 from .trackers.engines import DEFAULT, ENGINES
-from .trackers.settings import engine_settings
+from .trackers.settings import changed, engine_settings
 from .tracks.formats.base import FrameClock
 from .tracks.formats.of_log import log_of_boxes
 from .tracks.formats.registry import is_boxes, read_boxes
@@ -77,8 +77,7 @@ def track(
         config: a TOML file that overrides the preset.
         settings: an object with all of the engine's settings, in place of preset and file; for "cot" a `RunConfig`.
         filters: those in front of the tracker; None: the preset's.
-        changes: fields of the engine's settings, which replace those of the preset; not for "cot", whose settings are
-            registers.
+        changes: fields of the engine's settings, which replace those of the preset; for "cot" with motion its registers.
 
     Returns:
         The records of every track (births, moves, merges, losses), and the owner of each event.
@@ -97,10 +96,8 @@ def track(
                 kind, wanted = type(settings).__name__, type(default).__name__
                 raise ConfigError(f"settings of type {kind}: must be {wanted} with engine {engine}")
             default, own = settings, settings.filters if isinstance(settings, RunConfig) else FilterConfig()
-        if changes and isinstance(default, RunConfig):
-            name = next(iter(changes))
-            raise ConfigError(f"{name}: must not be given with engine {engine}: its registers are in settings or config")
-        tracker = ENGINES[engine].start(_changed(engine, default, changes), own if filters is None else filters, sensor)
+        own = own if filters is None else filters
+        tracker = ENGINES[engine].start(changed(engine, default, changes), own, sensor)
         return signed_log_of(engine, tracker, blocks)
 
 

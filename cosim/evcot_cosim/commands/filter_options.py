@@ -31,6 +31,12 @@ NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
     "--refractory": ("refractory_us", milliseconds, "MS", "silence a pixel for this long after each of its events"),
     "--activity": ("activity_us", milliseconds, "MS", "keep an event if a neighbour sent one at most this long before"),
     "--activity-support": ("activity_support", int, "N", "how many neighbours must have sent one (default: 1)"),
+    "--activity-noise": (
+        "activity_noise_hz",
+        float,
+        "HZ",
+        "let so much noise pass, per pixel and second, by as many neighbours as that takes; in software only",
+    ),
     "--recent": ("recent_us", milliseconds, "MS", "keep an event if one of the last few events, at most this old, was near"),
     "--recent-radius": ("recent_radius", int, "PX", "how near (default: 4)"),
     "--recent-support": ("recent_support", int, "N", "how many of them must be near (default: 1)"),

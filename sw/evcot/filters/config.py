@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 from ..errors import ConfigError
 from ..ranges import Range, check_ranges
@@ -93,6 +93,12 @@ class FilterConfig:
             raise ConfigError(
                 f"filters.recent_support = {self.recent_support}: must be at most recent_depth = {self.recent_depth}"
             )
+
+    def changed(self, given: Mapping[str, Any]) -> FilterConfig:
+        """These filters with other values for some fields: an activity filter that is off, or has its neighbours from there,
+        follows no noise unless they say so."""
+        holds = given.get("activity_us") == 0 or "activity_support" in given
+        return replace(self, **({"activity_noise_hz": 0.0} if holds else {}) | dict(given))
 
     @property
     def filters(self) -> tuple[Filter, ...]:

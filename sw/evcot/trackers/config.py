@@ -214,4 +214,4 @@ def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path, key: st
         if not isinstance(name, str) or "hot_pixels" in own:
             raise ConfigError(f"[{key}]: hot_pixels_file = {name!r}: must be a file name, given without hot_pixels")
         own["hot_pixels"] = load_hot_pixels(folder / name)
-    return replace(base, **own)
+    return base.changed(own)

@@ -122,12 +122,13 @@ def _cot() -> _Parts:
 
 
 ENGINES: dict[str, Engine] = {
-    "cot": Engine("golden model of the hardware", _cot),
     "auto": Engine("objects by motion, with settings read off the stream", _auto),
     "rct": Engine("Rectangular Cluster Tracker", _rct),
     "kalman": Engine("extended objects by Kalman filters", _kalman),
     "mean-shift": Engine("mean shift on packets of events", _mean_shift),
     "frames": Engine("connected components of frames", _frames),
+    "cot": Engine("golden model of the hardware", _cot),
 }
 
-DEFAULT = next(iter(ENGINES))
+DEFAULT = "cot"
+"""The engine of all commands and functions that track, with its first preset."""

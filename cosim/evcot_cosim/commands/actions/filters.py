@@ -61,4 +61,4 @@ def save_learned(options: argparse.Namespace) -> None:
 def _on_top(config: FilterConfig, options: argparse.Namespace) -> FilterConfig:
     """The configuration with what the options say."""
     given = {name: getattr(options, name) for name in ("region", "polarity", *(field for field, *_ in NUMBERS.values()))}
-    return replace(config, **{name: value for name, value in given.items() if value is not None})
+    return config.changed({name: value for name, value in given.items() if value is not None})

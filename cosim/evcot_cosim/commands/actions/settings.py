@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 from evcot.errors import ConfigError, meant
@@ -16,7 +16,7 @@ from evcot.ranges import read_pair, read_value
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.seen import seen_by
-from evcot.trackers.settings import engine_settings
+from evcot.trackers.settings import changeable, changed, engine_settings
 from evcot.tracks.tracking import Tracker
 
 __all__ = ["configured", "plain", "say_seen"]
@@ -34,22 +34,22 @@ def configured(
         options.engine, sensor, options.preset, options.config,
         look=look, say=lambda line: None if options.quiet else print(line, file=sys.stderr), mark="--",
     )  # fmt: skip
-    if isinstance(settings, RunConfig):
-        if options.set:
-            raise ConfigError("--set: must not be given with --engine cot: its registers stand in the file of --config")
-        return settings, filters
-    return _changed(options, settings, sensor), filters
+    return _with_options(options, settings, sensor), filters
 
 
-def _changed(options: argparse.Namespace, settings: Any, sensor: tuple[int, int]) -> Any:
-    known = asdict(settings)
+def _with_options(options: argparse.Namespace, settings: Any, sensor: tuple[int, int]) -> Any:
+    """The settings with the values of --set."""
+    if not options.set:
+        return settings
+    known = changeable(options.engine, settings)
+    changes = {}
     for setting in options.set:
         rule = f" with a key among {', '.join(known)}"
         key, text = read_pair("--set", setting, rule)
         if key not in known:
             raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}{_meant(key, known, options.engine, sensor)}")
-        settings = replace(settings, **{key: read_value(f"{options.engine}.{key}", text, known[key])})
-    return settings
+        changes[key] = read_value(f"{options.engine}.{key}", text, known[key])
+    return changed(options.engine, settings, changes)
 
 
 def _meant(key: str, known: Iterable[str], engine: str, sensor: tuple[int, int]) -> str:
