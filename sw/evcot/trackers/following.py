@@ -38,7 +38,7 @@ class FollowingTracker(CotTracker):
         registers, shape = filters.registers(config.tick_us), filters.shape(*sensor)
         self._chain = FollowingChain(registers, shape, filters.activity_noise_hz, config.tick_us)
         super().__init__(config, before=self._chain)
-        self._sensor = sensor
+        self._sensor, self._within_us = sensor, filters.activity_us
         self._first_us: int | None = None
         self._last_us = 0
         self._sightings = _Sightings(config.shape.n_slots)
@@ -58,7 +58,9 @@ class FollowingTracker(CotTracker):
         half_px, speed_px_s = seen.half_px.spread(), seen.speed_px_s.spread()
         said = line(self._sensor, lasted_us, self._chain.noise_hz, hot, seen.most(), half_px, speed_px_s)
         support = self._chain.support
-        return said if support is None else f"{said} -> an event needs {support} of 8 neighbours, by the noise at the end"
+        if support is None:
+            return said
+        return f"{said} -> at the end an event needs {support} of 8 neighbours within {self._within_us / 1e3:g} ms"
 
 
 class _Sightings:

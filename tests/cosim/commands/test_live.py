@@ -19,10 +19,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+import evcot
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.tracker import track
 from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.commands.actions import live as action
@@ -58,7 +57,7 @@ def test_a_file_leaves_the_recording_and_the_log_that_the_tracker_alone_would(
     first, *figures, last = (line["kind"] for line in result)
     assert (first, set(figures), last) == ("start", {"figures"}, "summary")
     recording = read_recording(source)
-    saved, log, wanted = read_recording("a.aedat4"), TrackLog.load_npz("a.npz"), track(recording, AutoConfig())
+    saved, log, wanted = read_recording("a.aedat4"), TrackLog.load_npz("a.npz"), evcot.track(recording)
     assert np.array_equal(saved.events.t_us, recording.events.t_us)
     assert result[-1]["events"] == result[-1]["saved"] == len(recording.events) == len(log.owner)
     if result[-1]["dropped"] == 0:
@@ -82,7 +81,7 @@ def test_a_terminal_sees_why_it_waits_for_the_first_event(source: Path) -> None:
     ours, theirs = pty.openpty()
     subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, check=True)
     os.close(theirs)
-    assert "preparing auto (compiled the first time, up to a minute)" in os.read(ours, 100_000).decode()
+    assert "preparing cot (compiled the first time, up to a minute)" in os.read(ours, 100_000).decode()
     os.close(ours)
 
 
@@ -190,7 +189,7 @@ def test_hardware_runs_beside_the_engine(source: Path, capsys: pytest.CaptureFix
     (beside,) = summary["beside"]  # type: ignore[misc]
     assert beside["name"] == "hardware"
     assert beside["tracks"] > 0
-    assert TrackLog.load_npz("a.npz").engine == "auto"
+    assert TrackLog.load_npz("a.npz").engine == "cot"
 
 
 def test_a_killed_run_loses_less_than_the_last_second(source: Path) -> None:

@@ -123,14 +123,17 @@ class Histogram:
         self._counts = np.zeros(_DECADES * _PER_DECADE, np.int64)
 
     def add(self, values: NDArray[np.float64]) -> None:
+        """Count values, (n,)."""
         bins = (np.log10(np.maximum(values, _LOWEST) / _LOWEST) * _PER_DECADE).astype(np.int64)
         np.add.at(self._counts, np.minimum(bins, len(self._counts) - 1), 1)
 
     @property
     def any(self) -> bool:
+        """Whether any was counted."""
         return bool(self._counts.any())
 
     def quantile(self, share: float) -> float:
+        """The value that a share of all lies below."""
         at = int(np.searchsorted(np.cumsum(self._counts), share * self._counts.sum()))
         return float(_LOWEST * 10.0 ** ((at + 0.5) / _PER_DECADE))
 

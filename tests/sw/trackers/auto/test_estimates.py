@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 from evcot.events import Events, Recording
-from evcot.filters.config import FilterConfig
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.auto import estimates
 from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.estimates import Estimates, ObservedTracker, Spread, estimate, seen_by
+from evcot.trackers.auto.estimates import Estimates, ObservedTracker, Spread, estimate
 from evcot.trackers.auto.tracker import AutoTracker
-from evcot.trackers.engines import ENGINES
 from evcot.tracks.tracking import log_of
 
 SENSOR = (128, 96)
@@ -107,21 +105,6 @@ def test_noise_alone_has_no_objects() -> None:
     seen = estimate([Events(t_us, x, y, (t_us % 2).astype(np.uint8))], SENSOR)
     assert (seen.objects, seen.alive_most, seen.hot_pixels) == (None, 0, ())
     assert seen.noise_hz == pytest.approx(1.0, rel=0.4)
-
-
-@pytest.mark.parametrize("filters", [FilterConfig(), FilterConfig(refractory_us=1)])
-def test_the_engine_is_looked_at_behind_filters_or_not(events: Events, filters: FilterConfig) -> None:
-    engine = ENGINES["auto"]
-    tracker = engine.start(engine.presets["auto"], filters, SENSOR)
-    tracker.feed(events)
-    seen = seen_by(tracker)
-    assert seen is not None
-    assert seen.alive == 2
-
-
-def test_other_engines_see_nothing(events: Events) -> None:
-    engine = ENGINES["rct"]
-    assert seen_by(engine.start(next(iter(engine.presets.values())), FilterConfig(), SENSOR)) is None
 
 
 def test_the_line(seen: Estimates) -> None:

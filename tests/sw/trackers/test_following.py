@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The golden model behind filters that follow the noise."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evcot.events import Events
+from evcot.filters.config import FilterConfig
+from evcot.filters.run import filtered
+from evcot.hardware.cot import CotModel, CotTracker
+from evcot.scenes.registry import simulate_scene
+from evcot.ticks import TickedEvents
+from evcot.trackers.engines import ENGINES
+from evcot.trackers.following import FollowingTracker
+from evcot.trackers.presets import FOLLOWING, fit
+from evcot.tracks.log import DROPPED, TrackLog
+from evcot.tracks.tracking import log_of
+
+SENSOR = 346, 260
+
+
+@pytest.fixture(scope="module")
+def events() -> Events:
+    """Six discs for a second."""
+    return simulate_scene("discs", 7, {"duration_us": 1_000_000}).recording.events
+
+
+def started() -> FollowingTracker:
+    tracker = ENGINES["cot"].start(FOLLOWING, FOLLOWING.filters, SENSOR)
+    assert isinstance(tracker, FollowingTracker)
+    return tracker
+
+
+def assert_same(got: TrackLog, wanted: TrackLog) -> None:
+    assert np.array_equal(got.records, wanted.records)
+    assert np.array_equal(got.owner, wanted.owner)
+
+
+def test_it_is_the_model_of_the_array_with_motion_on_the_events_that_pass(events: Events) -> None:
+    keep = filtered((), FOLLOWING.filters, SENSOR).keep(events)
+    model = CotModel(fit(replace(FOLLOWING, filters=FilterConfig()), *SENSOR).cot)
+    decided = model.feed(TickedEvents.of(events), keep)
+    _, owner = started().feed(events)
+    assert np.array_equal(owner, decided.owner)
+    assert np.array_equal(owner == DROPPED, ~keep)
+    assert np.count_nonzero(owner >= 0) > 0.8 * len(events)
+
+
+def test_it_does_not_depend_on_how_events_are_split_into_runs(events: Events) -> None:
+    whole = log_of("cot", started(), [events])
+    assert_same(log_of("cot", started(), [events[begin : begin + 777] for begin in range(0, len(events), 777)]), whole)
+    assert len(np.unique(whole.records["track_id"])) == 6
+
+
+def test_what_it_has_seen_does_not_either(events: Events) -> None:
+    one, other = started(), started()
+    one.feed(events)
+    for begin in range(0, len(events), 777):
+        other.feed(events[begin : begin + 777])
+    assert str(one) == str(other)
+
+
+def test_it_goes_on_where_it_was_stored(events: Events) -> None:
+    whole, first = log_of("cot", started(), [events]), started()
+    head = first.feed(events[:40_000])
+    stored = pickle.loads(pickle.dumps(first))
+    tail = stored.feed(events[40_000:])
+    assert np.array_equal(np.concatenate([head[0], tail[0]]), whole.records)
+
+
+def test_filters_that_hold_are_those_of_the_hardware() -> None:
+    held = replace(FOLLOWING.filters, activity_noise_hz=0.0)
+    tracker = ENGINES["cot"].start(FOLLOWING, held, SENSOR)
+    assert type(tracker) is CotTracker
