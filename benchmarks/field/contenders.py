@@ -11,20 +11,18 @@ from typing import Any
 import numpy as np
 
 from evcot.errors import ConfigError
-from evcot.events import Recording
 from evcot.filters.config import FilterConfig
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import AUTO as BY_LOOK
-from evcot.trackers.presets import for_sensor
-from evcot.trackers.settings import engine_settings
+from evcot.trackers.presets import AUTO as FOLLOWS
+from evcot.trackers.presets import FOLLOWING, for_sensor
 from evcot.tracks.tracking import Tracker
 from field import peers
 
 __all__ = ["AUTO", "Contender", "contenders", "more_settings"]
 
 AUTO = "auto"  # the engine that chooses its settings itself
-_COT_AUTO = "cot-auto"  # the golden model, with registers that are chosen from the recording
+_COT_AUTO = "cot-auto"  # the golden model behind filters that follow the noise: the default of `evcot track`
 _SPREAD = 0.4  # standard deviation of a changed setting's logarithm
 _CHANGED = 0.4  # share of the settings that are changed
 _TRIES = 100
@@ -43,7 +41,6 @@ class Contender:
         vary: other settings, near given ones or anywhere in sensible ranges; None: there is nothing to choose.
         masked: whether hot pixels, learned from the whole recording, are taken out before: for trackers that cannot do it.
         peer: whether it is somebody else's.
-        look: what settings become for a recording, all of which may be looked at before; that time is not counted.
     """
 
     name: str
@@ -52,7 +49,6 @@ class Contender:
     vary: Callable[[Any, np.random.Generator], Any] | None
     masked: bool = True
     peer: bool = False
-    look: Callable[[Any, Recording], Any] = lambda settings, _: settings
 
 
 def contenders(names: list[str] | None = None) -> list[Contender]:
@@ -85,7 +81,9 @@ def _engine(name: str) -> Contender:
         return engine.start(config, filters, sensor)
 
     own: dict[str, Any] = {
-        preset: (config, engine.filters.get(preset, FilterConfig())) for preset, config in engine.presets.items()
+        preset: (config, engine.filters.get(preset, FilterConfig()))
+        for preset, config in engine.presets.items()
+        if not (bare and preset == FOLLOWS)
     }
     if bare:
         own = {"for the sensor": "for the sensor", **own}
@@ -93,13 +91,10 @@ def _engine(name: str) -> Contender:
 
 
 def _cot_auto() -> Contender:
-    def look(preset: str, recording: Recording) -> tuple[Any, FilterConfig]:
-        return engine_settings("cot", (recording.width, recording.height), preset, look=lambda: [recording.events])
+    def start(settings: RunConfig, sensor: Sensor) -> Tracker:
+        return ENGINES["cot"].start(settings, settings.filters, sensor)
 
-    def start(settings: tuple[Any, FilterConfig], sensor: Sensor) -> Tracker:
-        return ENGINES["cot"].start(*settings, sensor)
-
-    return Contender(_COT_AUTO, {BY_LOOK: BY_LOOK}, start, None, masked=False, look=look)
+    return Contender(_COT_AUTO, {FOLLOWS: FOLLOWING}, start, None, masked=False)
 
 
 def _varied_engine(settings: Any, random: np.random.Generator) -> Any:

@@ -86,7 +86,6 @@ def run(
     """
     recording = member.recording
     sensor = recording.width, recording.height
-    settings = contender.look(settings, recording)
     first = contender.start(settings, sensor)  # compiles what is not compiled yet
     first.feed(recording.events[:_WARM_UP])
     first.finish()
