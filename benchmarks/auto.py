@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Event rate of the automatic tracker on one thread, its estimates included, on the synthetic stream of crossing discs."""
+"""Event rates of the trackers that need no settings, on one thread, on the synthetic stream of crossing discs."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from pathlib import Path
 import streams
 from evcot.trackers.auto.config import AutoConfig
 from evcot.trackers.auto.tracker import AutoTracker
+from evcot.trackers.engines import ENGINES
 from evcot.trackers.kalman.presets import PRESETS
 from evcot.trackers.kalman.tracker import KalmanTracker
+from evcot.trackers.presets import FOLLOWING
 from evcot.tracks.tracking import Tracker
 from measure import Clock, Goal, Result, Timing, take_turns, timed
 
@@ -22,11 +24,14 @@ _GOALS_M_EVENTS_S = {4: 50.0, 32: 20.0}
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """auto_<discs> in M events/s, and auto_kalman_<discs>, its rate by that of the Kalman tracker, for 4 and 32 discs."""
+    """For 4 and 32 discs: auto_<discs> in M events/s, and auto_kalman_<discs>, its rate by that of the
+    Kalman tracker; following_<discs> and following_auto_<discs>, the same of the default tracker by `auto`.
+    """
     for discs, goal in _GOALS_M_EVENTS_S.items():
         events = streams.joined(300_000 if quick else 2_000_000, discs=discs)
         trackers: Trackers = {
             "auto": lambda: AutoTracker(AutoConfig(), streams.WIDTH, streams.HEIGHT),
+            "following": lambda: ENGINES["cot"].start(FOLLOWING, FOLLOWING.filters, (streams.WIDTH, streams.HEIGHT)),
             "kalman": lambda: KalmanTracker(PRESETS["discs"], streams.WIDTH, streams.HEIGHT),
         }
 
@@ -39,3 +44,6 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
         seconds = {name: turns.seconds(name, Clock.CPU) for name in runs}
         yield Result(f"auto_{discs}", len(events) / seconds["auto"] / 1e6, "M events/s", goal, "goal", goal=Goal(1))
         yield Result(f"auto_kalman_{discs}", seconds["kalman"] / seconds["auto"], "times", 1.0, "kalman, discs")
+        rate = len(events) / seconds["following"] / 1e6
+        yield Result(f"following_{discs}", rate, "M events/s", goal, "goal", goal=Goal(1))
+        yield Result(f"following_auto_{discs}", seconds["auto"] / seconds["following"], "times", 1.0, "auto")

@@ -6,7 +6,8 @@ python benchmarks/registers.py --seed-set 41    # another; recordings that do no
 
 The golden model, whole recordings. Rows are means over the members of a family. `by hand` is that of three presets without
 motion (the one for the sensor, `traffic`, `discs`) which is best on the family, hot pixels masked; `auto-paper` is the array
-without motion, `motion` the preset.
+without motion, `motion` the preset; `auto` holds the filters that the noise of the whole recording asks for, `follows` measures
+it while the recording goes on: the default of `evcot track`.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from evcot.trackers.auto.estimates import estimate
 from evcot.trackers.auto_registers import auto_config
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import AUTO, AUTO_PAPER, PRESETS, for_sensor
+from evcot.trackers.presets import AUTO, AUTO_PAPER, FOLLOWING, PRESETS, for_sensor
 from evcot.tracks.log import Kind, TrackLog
 from field import members
 from field.member import Member
@@ -33,7 +34,8 @@ from field.member import Member
 _CHOSEN_ON = 1
 _FIXED = ("traffic, space", "traffic, time", "traffic, crowd", "pendulum, recorded", "hand, recorded")
 _BY_HAND = ("for the sensor", "traffic", "discs")
-_REGISTERS = (AUTO_PAPER, "motion", AUTO)
+_FOLLOWS = "follows"
+_REGISTERS = (AUTO_PAPER, "motion", AUTO, _FOLLOWS)
 _COLUMNS = ("HOTA", "IoU", "IDF1", "BORN")
 
 Scores = dict[str, NDArray[np.float64]]  # columns, by the name of the settings
@@ -79,7 +81,8 @@ def _configs(member: Member) -> dict[str, RunConfig]:
     hot = learn_hot_pixels(recording.events, sensor)
     by_hand = {name: for_sensor(sensor[0]) if name == _BY_HAND[0] else PRESETS[name] for name in _BY_HAND}
     masked = {name: replace(run, filters=replace(run.filters, hot_pixels=hot)) for name, run in by_hand.items()}
-    return {**masked, "motion": PRESETS["motion"], **{name: auto_config(seen, name) for name in (AUTO_PAPER, AUTO)}}
+    seen_of = {name: auto_config(seen, name) for name in (AUTO_PAPER, AUTO)}
+    return {**masked, "motion": PRESETS["motion"], **seen_of, _FOLLOWS: FOLLOWING}
 
 
 def _score(config: RunConfig, member: Member) -> NDArray[np.float64]:
