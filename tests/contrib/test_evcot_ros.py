@@ -23,7 +23,7 @@ import evcot
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.engines import ENGINES
+from evcot.trackers.engines import DEFAULT, ENGINES
 from evcot.trackers.settings import engine_settings
 from evcot_cosim.live.alive import Alive
 
@@ -166,8 +166,8 @@ def discs() -> Events:
 def test_tracks_of_a_scene_come_as_detections(node: Any, discs: Events) -> None:
     node.on_time()
     assert node.seen == [], "nothing is known before the first packet"
-    settings, filters = engine_settings("auto", (346, 260))
-    tracker, alone = ENGINES["auto"].start(settings, filters, (346, 260)), Alive()
+    settings, filters = engine_settings(DEFAULT, (346, 260))
+    tracker, alone = ENGINES[DEFAULT].start(settings, filters, (346, 260)), Alive()
     for begin in range(0, len(discs), 2_000):
         part = discs[begin : begin + 2_000]
         node.on_packet(packet(part))

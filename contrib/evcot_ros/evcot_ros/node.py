@@ -14,7 +14,7 @@ from vision_msgs.msg import Detection2DArray
 
 from evcot.errors import EvcotError
 from evcot.recordings.formats.source import Sensor
-from evcot.trackers.engines import ENGINES
+from evcot.trackers.engines import DEFAULT, ENGINES
 from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
 from evcot_cosim.live.hardware import warm_up
@@ -32,7 +32,7 @@ _SAY_S = 10.0  # between two lines of figures
 class TrackNode(Node):  # type: ignore[misc, unused-ignore]
     """Subscribes to `events` (event_camera_msgs/EventPacket), publishes `tracks` (vision_msgs/Detection2DArray).
 
-    Parameters: `engine` (auto), `preset` (the engine's default), `rate_hz` (50) of the messages.
+    Parameters: `engine` (that of `evcot track`), `preset` (the engine's default), `rate_hz` (50) of the messages.
 
     Raises:
         EvcotError: from callbacks, an engine or preset that is none, an unknown encoding, or damaged events.
@@ -40,7 +40,7 @@ class TrackNode(Node):  # type: ignore[misc, unused-ignore]
 
     def __init__(self) -> None:
         super().__init__("evcot")
-        self._engine = str(self.declare_parameter("engine", "auto").value)
+        self._engine = str(self.declare_parameter("engine", DEFAULT).value)
         self._preset = str(self.declare_parameter("preset", "").value) or None
         rate_hz = float(self.declare_parameter("rate_hz", 50.0).value)
         self._session: Session | None = None
