@@ -20,6 +20,7 @@ import pytest
 import evcot_cosim.rtl.build
 from evcot.events import Events, Recording
 from evcot.recordings.files import write_recording
+from evcot.trackers.presets import PRESETS
 from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.rtl.files import copy_rtl
@@ -143,20 +144,8 @@ def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
 def test_presets_are_listed(capsys: Capture) -> None:
     assert main(["presets"]) == 0
     rows = capsys.readouterr().out.splitlines()
-    assert [row.split()[0] for row in rows[1:]] == [
-        "slow",
-        "fast",
-        "fast5",
-        "dvs128",
-        "davis346",
-        "vga",
-        "hd",
-        "traffic",
-        "discs",
-        "motion",
-        "auto",
-        "auto-paper",
-    ]
+    assert [row.split()[0] for row in rows[1:]] == ["auto", *PRESETS, "auto-paper"]
+    assert rows[1].endswith("refractory, activity by the noise")
     assert main(["presets", "--json"]) == 0
     slow = json.loads(capsys.readouterr().out)["slow"]["cot"]
     assert (slow["slots"][0]["clust_nev"], slow["slots"][0]["max_ticks"]) == (8, 20)

@@ -10,7 +10,7 @@ from dataclasses import asdict
 
 from evcot.filters.config import FilterConfig
 from evcot.trackers.engines import ENGINES, Engine
-from evcot.trackers.presets import AUTO, AUTO_PAPER, PRESETS
+from evcot.trackers.presets import AUTO, AUTO_PAPER, FOLLOWING, PRESETS
 
 from ...tables import print_table
 
@@ -25,13 +25,15 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     if options.json:
         print(json.dumps({name: config.to_dict() for name, config in PRESETS.items()}, indent=2))
         return 0
-    rows = [("name", "N_ev", "window px", "lifetime", "tick")]
-    for name, config in PRESETS.items():
+    rows = [("name", "N_ev", "window px", "lifetime", "tick", "filters")]
+    for name, config in {AUTO: FOLLOWING, **PRESETS}.items():
+        filters = ", ".join(which.name.lower() for which in config.filters.filters)
+        filters += " by the noise" if config.filters.activity_noise_hz else ""
         slot, motion = config.cot.slots[0], config.cot.motion
         if motion.enable:
             lives_ms = (motion.life_ticks * config.cot.tick_us / 1000, motion.coast_ticks * config.cot.tick_us / 1000)
             n_ev, life = f"{motion.nev_low} to {motion.nev_high}", f"{lives_ms[0]:g} to {lives_ms[1]:g} ms"
-            rows.append((name, n_ev, "by its box", life, f"{config.cot.tick_us} us"))
+            rows.append((name, n_ev, "by its box", life, f"{config.cot.tick_us} us", filters))
             continue
         lifetime_ms = slot.max_ticks * config.cot.tick_us / 1000
         rows.append(
@@ -41,10 +43,10 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
                 f"{slot.init_radix} + {slot.radix_th}",
                 f"{lifetime_ms:g} ms",
                 f"{config.cot.tick_us} us",
+                filters,
             )
         )
-    rows.append((AUTO, "by what the recording shows: docs/auto.md", "by its box", "", ""))
-    rows.append((AUTO_PAPER, "the same for the array without motion", "", "", ""))
+    rows.append((AUTO_PAPER, "by what the recording shows: docs/auto.md", "", "", "", ""))
     print_table(rows)
     return 0
 
