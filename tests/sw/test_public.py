@@ -106,9 +106,9 @@ def test_bad_input_is_one_line(scene: evcot.Scene, tmp_path: Path) -> None:
         (lambda: evcot.track(recording, radium=3), evcot.ConfigError, "cot.radium: no such setting: must be one of"),
         (lambda: evcot.track(recording, "rct", radius_px=-1.0), evcot.ConfigError, "rct.radius_px = -1.0: must be from "),
         (
-            lambda: evcot.track(recording, "cot", init_radix=3),
+            lambda: evcot.track(recording, "cot", "davis346", init_radix=3),
             evcot.ConfigError,
-            "init_radix: must not be given with engine cot",
+            "engine cot with preset davis346: no single setting can be changed: its slots have registers of their own",
         ),
         (
             lambda: evcot.track(recording, "cot", settings=RCT["plain"]),

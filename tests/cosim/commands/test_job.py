@@ -113,10 +113,12 @@ def test_presets_and_the_box_experiment_stay(
     assert "auto" not in printed.tables
 
 
-def test_too_short_a_recording_says_what_is_assumed(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_too_short_a_recording_says_that_nothing_was_seen(
+    discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     recording = read_recording(discs)
     path = tmp_path / "short.npz"
     write_recording(Recording(recording.events[:50], 346, 260, "short"), path)
     printed = Printed(capsys, tmp_path, str(path))
-    assert "no object seen for long enough -> preset motion assumed" in printed.err
+    assert "no object seen for long enough -> 8 slots with motion" in printed.err
     assert printed.config.software == "auto"
