@@ -113,9 +113,7 @@ def test_presets_and_the_box_experiment_stay(
     assert "auto" not in printed.tables
 
 
-def test_too_short_a_recording_says_that_nothing_was_seen(
-    discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_too_short_a_recording_says_that_none_was_seen(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     recording = read_recording(discs)
     path = tmp_path / "short.npz"
     write_recording(Recording(recording.events[:50], 346, 260, "short"), path)
