@@ -68,6 +68,15 @@ def test_neighbours_follow_a_noise_that_changes() -> None:
     assert (quiet, loud, follows.support) == (0, 5, 0)
 
 
+def test_a_silence_is_windows_without_noise() -> None:
+    follows = chain()
+    follows.feed(noise(3.0, 1_000_000))
+    before = follows.noise_hz
+    follows.feed(replace_times(repeated(5, 5, 1, 1), 3_000_000))  # one event, two seconds later
+    assert before is not None
+    assert follows.noise_hz == pytest.approx(before * 0.95**100, rel=0.3)
+
+
 def test_nothing_passes_before_the_noise_is_known() -> None:
     follows = chain()
     events = noise(0.02, 3 * WINDOW_US)
