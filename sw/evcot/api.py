@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +48,7 @@ def filter_recording(recording: Recording, config: FilterConfig | None = None, *
     Raises:
         ConfigError: no such field, a value outside its range, or a hot pixel outside the sensor.
     """
-    return apply(recording, _changed("filters", config or FilterConfig(), settings))[0]
+    return apply(recording, changed("filters", config or FilterConfig(), settings))[0]
 
 
 def track(
@@ -160,14 +159,6 @@ def evaluate(
     opened = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else open_log(log)
     with in_the_name_of(log):
         return score(opened, truth, chosen)
-
-
-def _changed(name: str, settings: Any, changes: Mapping[str, Any]) -> Any:
-    known = [field.name for field in fields(settings)]
-    for key in changes:
-        if key not in known:
-            raise ConfigError(f"{name}.{key}: no such setting: must be one of {', '.join(known)}")
-    return replace(settings, **changes)
 
 
 def _all_of(source: Recording | Path | str) -> Iterator[Events]:

@@ -38,10 +38,12 @@ class FollowingChain(FilterChain):
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape, passing_hz: float, tick_us: int) -> None:
         super().__init__(registers, shape)
-        self._mask = _RestingMask(registers, shape, tick_us)
-        self._activity = ActivityFilter(registers, shape)
+        activity = self._filters[Filter.ACTIVITY]
+        assert isinstance(activity, ActivityFilter)
+        self._activity = activity
         self._activity.support = _UNKNOWN
-        self._use({**self._filters, Filter.MASK: self._mask, Filter.ACTIVITY: self._activity})
+        self._mask = _RestingMask(self._filters.get(Filter.MASK) or MaskFilter(registers, shape), shape, tick_us)
+        self._use({**self._filters, Filter.MASK: self._mask})
         self._passing_hz = passing_hz
         self._within_us = float(registers.activity_ticks * tick_us)
         self._tick_us = tick_us
@@ -78,8 +80,8 @@ class FollowingChain(FilterChain):
 class _RestingMask(EventFilter):
     """The hot pixel mask, and besides: an event passes if its pixel rests from time to time. The rate of these is measured."""
 
-    def __init__(self, registers: FilterRegisters, shape: FilterShape, tick_us: int) -> None:
-        self._fixed = MaskFilter(registers, shape)
+    def __init__(self, fixed: EventFilter, shape: FilterShape, tick_us: int) -> None:
+        self._fixed = fixed
         self._noted = np.zeros((shape.height, shape.width), np.int32)
         self._tick_us = tick_us
         self._last_us = 0

@@ -4,21 +4,23 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import step
 from ..bits import count
 
-__all__ = ["WINDOW_US", "NoiseRate", "support_against"]
+__all__ = ["MANY_EMPTY", "WINDOW_US", "NoiseRate", "median_pixels", "rate_of", "support_against"]
 
 WINDOW_US = 20_000
 _CELL_BITS = 3  # cells of 8 x 8 pixels: a word each
 _LASTING = 20  # windows, after which one counts no more
-_MANY_EMPTY = 0.3  # share of the cells
+MANY_EMPTY = 0.3  # share of the cells, from which on their number says how much noise there is
 _MEDIAN_ABOVE = 0.17  # the mean of a Poisson distribution lies about a sixth above its median, in proportion within a count
-_FULLEST = 0.95  # share of the pixels, beyond which their number tells nothing
+_EMPTIEST = 0.05  # share of the pixels without an event, below which it tells nothing
 _MOST_NEIGHBOURS = 6
 
 
@@ -76,6 +78,28 @@ def _add(pixels, x, y, keep):  # type: ignore[no-untyped-def]
             pixels[y[i] >> _CELL_BITS, x[i] >> _CELL_BITS] |= np.uint64(1) << np.uint64(bit)
 
 
+@step
+def median_pixels(counts: Any, cells: int) -> float:
+    """The mean number of pixels in a cell by the median over all: cells with objects hold more.
+
+    Args:
+        counts: (65,) int64, number of cells with so many pixels.
+        cells: their sum.
+    """
+    below, k = counts[0], 0
+    while below < 0.5 * cells:
+        k += 1
+        below += counts[k]
+    # Within the median's own count, in proportion.
+    return float(k + 0.5 - (below - 0.5 * cells) / max(counts[k], 1) + _MEDIAN_ABOVE)
+
+
+@step
+def rate_of(pixels: float, window_s: float) -> float:
+    """Events per pixel and second that leave so many of a cell's pixels with one event or more in a window, on average."""
+    return float(-np.log(max(1.0 - pixels / 64.0, _EMPTIEST)) / window_s)
+
+
 @njit(cache=True, nogil=True)
 def _rate(pixels, window_s):  # type: ignore[no-untyped-def]
     counts = np.zeros(65, np.int64)
@@ -83,12 +107,6 @@ def _rate(pixels, window_s):  # type: ignore[no-untyped-def]
         for column in range(pixels.shape[1]):
             counts[count(pixels[row, column])] += 1
     cells = pixels.size
-    if counts[0] >= _MANY_EMPTY * cells:
-        mean = min(counts[1] / counts[0], -np.log(counts[0] / cells))
-    else:
-        below, k = counts[0], 0
-        while below < 0.5 * cells:
-            k += 1
-            below += counts[k]
-        mean = k + 0.5 - (below - 0.5 * cells) / counts[k] + _MEDIAN_ABOVE
-    return -np.log(1.0 - min(mean / 64.0, _FULLEST)) / window_s
+    if counts[0] < MANY_EMPTY * cells:
+        return rate_of(median_pixels(counts, cells), window_s)
+    return rate_of(min(counts[1] / counts[0], -np.log(counts[0] / cells)), window_s)

@@ -16,11 +16,9 @@ from ..hardware.cot import CotTracker
 from ..recordings.formats.source import Sensor
 from ..tracks.log import Kind
 from ..tracks.tracking import TrackerOutput
-from .auto.estimates import SAMPLE_US, Histogram, line
+from .auto.estimates import SAMPLE_US, Histogram, at_once, line
 
 __all__ = ["FollowingTracker"]
-
-_MOST = 0.99  # of the time, that many objects at most
 
 
 class FollowingTracker(CotTracker):
@@ -56,7 +54,7 @@ class FollowingTracker(CotTracker):
         lasted_us = 0 if self._first_us is None else self._last_us - self._first_us
         hot, seen = int(np.count_nonzero(self._chain.restless)), self._sightings
         half_px, speed_px_s = seen.half_px.spread(), seen.speed_px_s.spread()
-        said = line(self._sensor, lasted_us, self._chain.noise_hz, hot, seen.most(), half_px, speed_px_s)
+        said = line(self._sensor, lasted_us, self._chain.noise_hz, hot, at_once(seen.alive), half_px, speed_px_s)
         support = self._chain.support
         if support is None:
             return said
@@ -64,11 +62,15 @@ class FollowingTracker(CotTracker):
 
 
 class _Sightings:
-    """Boxes and speeds of the tracks, once in each `SAMPLE_US` in which they move; memory does not grow."""
+    """Boxes and speeds of the tracks, once in each `SAMPLE_US` in which they move; memory does not grow.
+
+    Attributes:
+        alive: how often 0, 1, 2 … of them moved at once.
+    """
 
     def __init__(self, n_slots: int) -> None:
         self.half_px, self.speed_px_s = Histogram(), Histogram()
-        self._alive = np.zeros(n_slots + 1, np.int64)
+        self.alive = np.zeros(n_slots + 1, np.int64)
         self._bin = 0
         self._open = np.zeros((n_slots, 2))
 
@@ -83,13 +85,9 @@ class _Sightings:
             half_px = 0.5 * np.maximum(part["width"], part["height"])
             self._open[part["slot"]] = np.stack([half_px, np.hypot(part["vx"], part["vy"])], 1)
 
-    def most(self) -> int:
-        """Tracks that moved at once."""
-        return int(np.searchsorted(np.cumsum(self._alive), _MOST * self._alive.sum())) if self._alive.any() else 0
-
     def _close(self) -> None:
         seen = self._open[self._open[:, 0] > 0.0]
-        self._alive[len(seen)] += 1
+        self.alive[len(seen)] += 1
         self.half_px.add(seen[:, 0])
         self.speed_px_s.add(seen[:, 1])
         self._open[:] = 0.0

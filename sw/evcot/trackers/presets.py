@@ -14,7 +14,7 @@ from .config import RunConfig
 from .rct.config import RctConfig
 from .rct.presets import PRESETS as RCT_PRESETS
 
-__all__ = ["AUTO", "AUTO_PAPER", "PRESETS", "fit", "for_sensor", "preset", "run_config"]
+__all__ = ["AUTO", "AUTO_PAPER", "FOLLOWING", "PRESETS", "fit", "for_sensor", "preset", "run_config"]
 
 # Beside presets: read off a recording, see `auto_registers`.
 AUTO = "auto"  # the array with motion; as a tracker's preset `FOLLOWING`, which reads nothing ahead
@@ -138,8 +138,8 @@ PRESETS: dict[str, RunConfig] = {
 FOLLOWING = replace(
     PRESETS["motion"],
     name=AUTO,
-    cot=replace(PRESETS["motion"].cot, shape=Shape(n_slots=32), slots=PRESETS["motion"].cot.slots * 2),
-    filters=FilterConfig(refractory_us=1_000, activity_us=40_000, activity_noise_hz=0.03),
+    cot=CotConfig(Shape(n_slots=32), motion=PRESETS["motion"].cot.motion),
+    filters=replace(PRESETS["motion"].filters, activity_us=40_000, activity_noise_hz=0.03),
 )
 """The array with motion on any recording or live stream: its filters follow the noise, all else follows the objects."""
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 from ...bits import BYTES, bits_between, count
+from ...filters.noise import MANY_EMPTY, median_pixels, rate_of
 from .layout import CELL_BITS, INSIDE, LEVELS, NOBODY, Rules, World
 from .look import look_at_group
 
@@ -293,16 +294,9 @@ def _measure_noise(world: World, level: int, window_us: int) -> None:
                 cells += 1
     if cells < 16:
         return
-    if world.counts[0] >= 0.3 * cells:
-        mean = -np.log(world.counts[0] / cells)
-    else:
-        below, k = world.counts[0], 0
-        while below < 0.5 * cells:
-            k += 1
-            below += world.counts[k]
-        # Within the median's own count, in proportion.
-        mean = k + 0.5 - (below - 0.5 * cells) / max(world.counts[k], 1) + 0.17
-    rate = -np.log(max(1.0 - mean / 64.0, 0.05)) / (1e-6 * window_us)
+    empty = world.counts[0]
+    mean = -np.log(empty / cells) if empty >= MANY_EMPTY * cells else median_pixels(world.counts, cells)
+    rate = rate_of(mean, 1e-6 * window_us)
     run.noise = rate if run.noise < 0.0 else run.noise + _NOISE_MIX * (rate - run.noise)
 
 

@@ -26,6 +26,7 @@ __all__ = [
     "Objects",
     "ObservedTracker",
     "Spread",
+    "at_once",
     "estimate",
     "line",
 ]
@@ -114,6 +115,15 @@ def line(
         return ", ".join([*said, "no object seen for long enough"])
     sizes, speeds = f"{2 * half_px.low:.0f} to {2 * half_px.high:.0f} px", f"{speed_px_s.low:.0f} to {speed_px_s.high:.0f} px/s"
     return ", ".join([*said, f"up to {most} object{'' if most == 1 else 's'} of {sizes}", speeds])
+
+
+def at_once(looks: NDArray[np.int64], share: float = _LATEST) -> int:
+    """How many objects are alive at once, at most, for a share of the time.
+
+    Args:
+        looks: (n,) number of looks at which there were 0, 1, 2 … of them.
+    """
+    return int(np.searchsorted(np.cumsum(looks), share * looks.sum()))
 
 
 class Histogram:
@@ -210,19 +220,17 @@ class ObservedTracker:
 
     def estimates(self) -> Estimates:
         """What was seen so far."""
-        looks = int(self._alive.sum())
         rows, columns = np.nonzero(self._hot > _HOT * self._hot_looks)
         spreads = {name: values.spread() for name, values in self._spreads.items()}
         seen = {name: spread for name, spread in spreads.items() if spread is not None}
-        most = np.searchsorted(np.cumsum(self._alive), (0.5 * looks, _LATEST * looks)) if looks else (0, 0)
         return Estimates(
             self._sensor,
             self._last_us - self._first_us if self._first_us is not None else 0,
             self._events,
             self._noise.quantile(0.5) if self._noise.any else None,
             tuple(zip(columns.tolist(), rows.tolist(), strict=True)),
-            int(most[0]),
-            int(most[1]),
+            at_once(self._alive, 0.5),
+            at_once(self._alive),
             Objects(**seen) if seen else None,
         )
 
