@@ -31,8 +31,8 @@ from evcot.tracks.log import Kind, TrackLog
 from field import members
 from field.member import Member
 
-_CHOSEN_ON = 1
-_FIXED = ("traffic, space", "traffic, time", "traffic, crowd", "pendulum, recorded", "hand, recorded")
+CHOSEN_ON = 1
+FIXED = ("traffic, space", "traffic, time", "traffic, crowd", "pendulum, recorded", "hand, recorded")
 _BY_HAND = ("for the sensor", "traffic", "discs")
 _FOLLOWS = "follows"
 _REGISTERS = (AUTO_PAPER, "motion", AUTO, _FOLLOWS)
@@ -44,7 +44,7 @@ Scores = dict[str, NDArray[np.float64]]  # columns, by the name of the settings
 def main() -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed-set", type=int, default=_CHOSEN_ON, help="of everything drawn in the field (default 1)")
+    parser.add_argument("--seed-set", type=int, default=CHOSEN_ON, help="of everything drawn in the field (default 1)")
     titles = ("by hand", *_REGISTERS)
     print("| family | best by hand | " + " | ".join(f"{title}: {column}" for title in titles for column in _COLUMNS) + " |")
     print("|---" * (2 + len(titles) * len(_COLUMNS)) + "|")
@@ -63,7 +63,7 @@ def main() -> int:
 def _families(seed_set: int) -> Iterator[tuple[str, list[Scores]]]:
     name, found = "", []
     for member in members(seed_set):
-        if seed_set != _CHOSEN_ON and member.family in _FIXED:
+        if seed_set != CHOSEN_ON and member.family in FIXED:
             continue
         if member.family != name and found:
             yield name, found
