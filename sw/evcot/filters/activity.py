@@ -24,14 +24,11 @@ class ActivityFilter(EventFilter):
 
     With cells, the 9 cells around support it, its own if that cell's last event was on another pixel; times are in units of
     2^stamp_shift ticks.
-
-    Attributes:
-        support: neighbours that an event needs; may be changed between runs of events.
     """
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._ticks = registers.activity_ticks
-        self.support = registers.activity_support
+        self._support = np.array([registers.activity_support])
         self._cells: CellMemory | None = None
         if shape.cell_px:
             self._cells = CellMemory(shape)
@@ -42,21 +39,35 @@ class ActivityFilter(EventFilter):
             self._last = per_pixel(shape, NEVER, border=1)
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
+        self.narrow_by(np.array([len(events)]), self._support, events, keep)
+
+    def narrow_by(
+        self, ends: NDArray[np.int64], supports: NDArray[np.int64], events: TickedEvents, keep: NDArray[np.bool_]
+    ) -> None:
+        """As `narrow`, with as many neighbours as are given: the first so many up to the first end, and so on.
+
+        Args:
+            ends: (k,) where each number of neighbours ends to hold, ascending; the last is the number of events.
+            supports: (k,) neighbours that an event needs.
+        """
         if self._cells is not None:
             cells = self._cells
             memory = cells.last, cells.place, cells.bits
-            rule = self._shift, self._units, self.support
+            rule = self._shift, self._units, ends, supports
             _narrow_cells(*memory, *self._size, *rule, events.ticks, events.x, events.y, keep)
             return
-        _narrow(self._last, self._ticks, self.support, events.ticks, events.x, events.y, keep)
+        _narrow(self._last, self._ticks, ends, supports, events.ticks, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)
-def _narrow(last, window, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
+def _narrow(last, window, ends, supports, ticks, x, y, keep):  # type: ignore[no-untyped-def]
     # Unsigned indices avoid the check for negative ones.
     one, two = np.uint64(1), np.uint64(2)
     height, width = last.shape[0] - 2, last.shape[1] - 2
+    k = 0
     for i in range(len(keep)):
+        while i >= ends[k]:
+            k += 1
         if not keep[i]:
             continue
         keep[i] = False
@@ -75,18 +86,21 @@ def _narrow(last, window, support, ticks, x, y, keep):  # type: ignore[no-untype
                 + (last[bottom, middle] >= oldest)
                 + (last[bottom, right] >= oldest)
             )
-            keep[i] = count >= support
+            keep[i] = count >= supports[k]
             last[centre, middle] = ticks[i]
 
 
 @njit(cache=True, nogil=True)
-def _narrow_cells(last, place, bits, width, height, shift, window, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
+def _narrow_cells(last, place, bits, width, height, shift, window, ends, supports, ticks, x, y, keep):  # type: ignore[no-untyped-def]
+    k = 0
     for i in range(len(keep)):
+        while i >= ends[k]:
+            k += 1
         if not keep[i]:
             continue
         keep[i] = False
         if x[i] < width and y[i] < height:
             row, column, here = cell_of(np.int64(x[i]), np.int64(y[i]), bits)
             unit = ticks[i] >> shift
-            keep[i] = supporting_cells(last, place, row, column, here, unit - window) >= support
+            keep[i] = supporting_cells(last, place, row, column, here, unit - window) >= supports[k]
             last[row, column], place[row, column] = unit, here

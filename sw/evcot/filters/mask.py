@@ -16,15 +16,19 @@ __all__ = ["MaskFilter"]
 
 
 class MaskFilter(EventFilter):
-    """An event passes if its pixel lies on the sensor and is not marked as hot. About 1.5 ns per event."""
+    """An event passes if its pixel lies on the sensor and is not marked as hot. About 1.5 ns per event.
+
+    Attributes:
+        quiet: (height, width) bool, the pixels that are not marked.
+    """
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
-        self._quiet = per_pixel(shape, True)
+        self.quiet = per_pixel(shape, True)
         for x, y in registers.hot_pixels:
-            self._quiet[y, x] = False
+            self.quiet[y, x] = False
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
-        _narrow(self._quiet, events.x, events.y, keep)
+        _narrow(self.quiet, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)

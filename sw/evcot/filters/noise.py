@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from .._numba_private import step
+from .._numba_private import inlined_step, step
 from ..bits import count
 
-__all__ = ["MANY_EMPTY", "WINDOW_US", "NoiseRate", "median_pixels", "rate_of", "support_against"]
+__all__ = ["MANY_EMPTY", "WINDOW_US", "NoiseRate", "close", "median_pixels", "note", "rate_of", "support_against"]
 
 WINDOW_US = 20_000
 _CELL_BITS = 3  # cells of 8 x 8 pixels: a word each
@@ -22,6 +20,7 @@ MANY_EMPTY = 0.3  # share of the cells, from which on their number says how much
 _MEDIAN_ABOVE = 0.17  # the mean of a Poisson distribution lies about a sixth above its median, in proportion within a count
 _EMPTIEST = 0.05  # share of the pixels without an event, below which it tells nothing
 _MOST_NEIGHBOURS = 6
+_HZ, _SHARE, _WINDOWS = range(3)  # of the state
 
 
 class NoiseRate:
@@ -31,51 +30,58 @@ class NoiseRate:
     than noise: if many cells are empty, those with one pixel are compared with these, since cells with objects are of neither
     kind; else the median over the cells counts. About 2 ns per event.
 
+    Compiled functions write down pixels with `note`, and end windows with `close`; both need its tables.
+
     Attributes:
-        hz: the estimate; None before the end of the first window.
+        pixels: uint64, a word for each cell: the pixels that sent an event in the open window.
+        state: (3,) float64: the rate, the share of the newest window in it, and the number of windows so far.
     """
 
     def __init__(self, width: int, height: int) -> None:
         side = 1 << _CELL_BITS
-        self._pixels = np.zeros((-(-height // side), -(-width // side)), np.uint64)
-        self._share = 1.0  # of the newest window
-        self.hz: float | None = None
+        self.pixels = np.zeros((-(-height // side), -(-width // side)), np.uint64)
+        self.state = np.array([0.0, 1.0, 0.0])
 
-    def add(self, x: NDArray[np.uint16], y: NDArray[np.uint16], keep: NDArray[np.bool_]) -> None:
-        """Add events of the open window, those of the mask, (n,) bool; all lie on the sensor."""
-        _add(self._pixels, x, y, keep)
-
-    def close(self, windows: int = 1) -> None:
-        """End the window, and `windows` - 1 after it that held no event."""
-        rate = _rate(self._pixels, 1e-6 * WINDOW_US)
-        self._pixels[:] = 0
-        hz = 0.0 if self.hz is None else self.hz
-        self.hz = hz + self._share * (rate - hz)
-        self._share = max(self._share / (1.0 + self._share), 1.0 / _LASTING)  # at first the mean of all
-        self.hz *= (1.0 - self._share) ** (windows - 1)
+    @property
+    def hz(self) -> float | None:
+        """The estimate; None before the end of the first window."""
+        return float(self.state[_HZ]) if self.state[_WINDOWS] else None
 
 
+@inlined_step
+def note(pixels: Any, x: int, y: int) -> None:
+    """A pixel has sent an event."""
+    bit = ((y & 7) << 3) | (x & 7)
+    pixels[y >> _CELL_BITS, x >> _CELL_BITS] |= np.uint64(1) << np.uint64(bit)
+
+
+@njit(cache=True, nogil=True)
+def close(pixels: Any, state: Any, windows: int) -> float:
+    """End the window, and `windows` - 1 after it that held no event; returns the rate, in Hz."""
+    rate = _rate(pixels, 1e-6 * WINDOW_US)
+    pixels[:] = 0
+    state[_HZ] += state[_SHARE] * (rate - state[_HZ])
+    state[_SHARE] = max(state[_SHARE] / (1.0 + state[_SHARE]), 1.0 / _LASTING)  # at first the mean of all
+    state[_HZ] *= (1.0 - state[_SHARE]) ** (windows - 1)
+    state[_WINDOWS] += windows
+    return float(state[_HZ])
+
+
+@njit(cache=True, nogil=True)
 def support_against(noise_hz: float, within_us: float, passing_hz: float) -> int:
     """The fewest of eight neighbours that noise must have sent events in, so that at most `passing_hz` a pixel of it passes.
 
     The events of the neighbours within that time have a Poisson distribution; none is needed of noise that is less already.
     """
     by_chance = 8e-6 * noise_hz * within_us
-    enough = (n for n in range(_MOST_NEIGHBOURS) if noise_hz * _at_least(n, by_chance) <= passing_hz)
-    return next(enough, _MOST_NEIGHBOURS)
-
-
-def _at_least(count: int, mean: float) -> float:
-    """The probability of at least so many events, of a Poisson distribution with that mean."""
-    return 1.0 - sum(math.exp(-mean) * mean**number / math.factorial(number) for number in range(count))
-
-
-@njit(cache=True, nogil=True)
-def _add(pixels, x, y, keep):  # type: ignore[no-untyped-def]
-    for i in range(len(keep)):
-        if keep[i]:
-            bit = ((y[i] & 7) << 3) | (x[i] & 7)
-            pixels[y[i] >> _CELL_BITS, x[i] >> _CELL_BITS] |= np.uint64(1) << np.uint64(bit)
+    exactly = np.exp(-by_chance)  # the probability of as many events as neighbours
+    at_least = 1.0
+    for neighbours in range(_MOST_NEIGHBOURS):
+        if noise_hz * at_least <= passing_hz:
+            return neighbours
+        at_least -= exactly
+        exactly *= by_chance / (neighbours + 1)
+    return _MOST_NEIGHBOURS
 
 
 @step

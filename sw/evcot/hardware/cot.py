@@ -106,8 +106,8 @@ class CotModel:
             keep = self._filters.feed(events)
         keep = _ALL if keep is None else events.mask(keep)
         owner = np.empty(n, np.int16)
-        rel_x = np.empty(n, np.uint16)
-        rel_y = np.empty(n, np.uint16)
+        rel_x = np.zeros(n, np.uint16)
+        rel_y = np.zeros(n, np.uint16)
         if self._motion is not None:
             return Decisions(self._motion.feed(events, keep, owner, rel_x, rel_y), owner, rel_x, rel_y)
         per_event_max = 3 * self.config.shape.n_slots

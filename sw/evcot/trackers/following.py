@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +17,8 @@ from ..tracks.tracking import TrackerOutput
 from .auto.estimates import SAMPLE_US, Histogram, at_once, line
 
 __all__ = ["FollowingTracker"]
+
+_SIGHTING = np.dtype([("sample", "i8"), ("slot", "i8"), ("half_px", "f8"), ("speed_px_s", "f8")])
 
 
 class FollowingTracker(CotTracker):
@@ -65,35 +65,27 @@ class _Sightings:
     """Boxes and speeds of the tracks, once in each `SAMPLE_US` in which they move; memory does not grow.
 
     Attributes:
-        alive: how often 0, 1, 2 … of them moved at once.
+        alive: how often 1, 2 … of them moved at once.
     """
 
     def __init__(self, n_slots: int) -> None:
         self.half_px, self.speed_px_s = Histogram(), Histogram()
         self.alive = np.zeros(n_slots + 1, np.int64)
-        self._bin = 0
-        self._open = np.zeros((n_slots, 2))
+        self._open = np.zeros(0, _SIGHTING)
 
     def add(self, records: NDArray[np.void]) -> None:
         moved = records[records["kind"] == Kind.MOVED]
-        bins = moved["t_us"] // SAMPLE_US
-        for begin, end in _runs(bins):
-            if bins[begin] != self._bin:
-                self._close()
-                self._bin = int(bins[begin])
-            part = moved[begin:end]
-            half_px = 0.5 * np.maximum(part["width"], part["height"])
-            self._open[part["slot"]] = np.stack([half_px, np.hypot(part["vx"], part["vy"])], 1)
-
-    def _close(self) -> None:
-        seen = self._open[self._open[:, 0] > 0.0]
-        self.alive[len(seen)] += 1
-        self.half_px.add(seen[:, 0])
-        self.speed_px_s.add(seen[:, 1])
-        self._open[:] = 0.0
-
-
-def _runs(bins: NDArray[np.int64]) -> list[tuple[int, int]]:
-    """The bounds of runs of equal values."""
-    edges = [0, *(np.flatnonzero(np.diff(bins)) + 1).tolist(), len(bins)]
-    return [(begin, end) for begin, end in pairwise(edges) if end > begin]
+        if not len(moved):
+            return
+        seen = np.empty(len(moved), _SIGHTING)
+        seen["sample"], seen["slot"] = moved["t_us"] // SAMPLE_US, moved["slot"]
+        seen["half_px"] = 0.5 * np.maximum(moved["width"], moved["height"])
+        seen["speed_px_s"] = np.hypot(moved["vx"], moved["vy"])
+        seen = np.concatenate([self._open, seen])[::-1]
+        _, last = np.unique(seen["sample"] * len(self.alive) + seen["slot"], return_index=True)
+        seen = seen[last]
+        ended = seen["sample"] < seen["sample"][-1]
+        self._open, seen = seen[~ended], seen[ended]
+        self.alive += np.bincount(np.unique(seen["sample"], return_counts=True)[1], minlength=len(self.alive))
+        self.half_px.add(seen["half_px"])
+        self.speed_px_s.add(seen["speed_px_s"])

@@ -122,6 +122,17 @@ def test_hot_pixels_that_are_known_are_masked_from_the_first_event_on() -> None:
     assert not keep[(events.x == 7) & (events.y == 8)].any()
 
 
+def test_only_events_that_reach_the_mask_are_noise() -> None:
+    region = replace(FOLLOW, region=(0, 0, 63, 95))  # half of the sensor
+    everywhere, there = chain(), chain(region)
+    events = noise(1.0, 1_000_000)
+    everywhere.feed(events)
+    there.feed(events)
+    assert everywhere.noise_hz is not None
+    assert there.noise_hz is not None
+    assert there.noise_hz < 0.7 * everywhere.noise_hz
+
+
 @pytest.mark.parametrize("size", [1, 7, 1000])
 def test_it_does_not_depend_on_how_events_are_split_into_runs(size: int) -> None:
     events = joined(noise(1.0, 400_000), repeated(40, 30, 5_000, 400_000))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..._numba_private import step
+from ..._numba_private import inlined_step, step
 from ._state import (
     BIN_LOG2_X,
     BIN_LOG2_Y,
@@ -37,21 +37,21 @@ __all__ = ["clear_bins", "count_in_bins", "look_for_gaps"]
 def clear_bins(s: Table, i: int) -> None:
     """Begin new histograms: bins of 2^n pixels from the box's low side, four to eight for the whole side."""
     for b in range(2 * BINS):
-        s[BINS_X + b, i] = 0
-    s[LOOKED, i] = 0
-    s[BIN_LOG2_X, i] = max(0, bit_length(length(s, LO_X, HI_X, i)) - 3)
-    s[BIN_LOG2_Y, i] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 3)
+        s[i, BINS_X + b] = 0
+    s[i, LOOKED] = 0
+    s[i, BIN_LOG2_X] = max(0, bit_length(length(s, LO_X, HI_X, i)) - 3)
+    s[i, BIN_LOG2_Y] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 3)
 
 
-@step
+@inlined_step
 def count_in_bins(s: Table, i: int, x: int, y: int) -> None:
     """Count an event in both histograms, in the box's own frame."""
-    bin_x = (x - ((s[LO_X, i] + (ONE >> 1)) >> SUB)) >> s[BIN_LOG2_X, i]
-    bin_y = (y - ((s[LO_Y, i] + (ONE >> 1)) >> SUB)) >> s[BIN_LOG2_Y, i]
+    bin_x = (x - ((s[i, LO_X] + (ONE >> 1)) >> SUB)) >> s[i, BIN_LOG2_X]
+    bin_y = (y - ((s[i, LO_Y] + (ONE >> 1)) >> SUB)) >> s[i, BIN_LOG2_Y]
     if 0 <= bin_x < BINS:
-        s[BINS_X + bin_x, i] += 1
+        s[i, BINS_X + bin_x] += 1
     if 0 <= bin_y < BINS:
-        s[BINS_Y + bin_y, i] += 1
+        s[i, BINS_Y + bin_y] += 1
 
 
 @step
@@ -59,14 +59,14 @@ def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int,
     """If the histogram has a gap of so many pixels, leave the box with the part that has more events."""
     total = 0
     for b in range(BINS):
-        total += s[bins + b, i]
+        total += s[i, bins + b]
     least = max(1, total >> r[GAP_SHARE])
     first = -1
     widest = 0
     end = 0  # of the widest gap, the first of equals
     run = 0
     for b in range(BINS):
-        if s[bins + b, i] > least:
+        if s[i, bins + b] > least:
             if first < 0:
                 first = b
             elif run > widest:
@@ -82,14 +82,14 @@ def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int,
     above = 0
     for b in range(BINS):
         if b < begin:
-            below += s[bins + b, i]
+            below += s[i, bins + b]
         elif b >= end:
-            above += s[bins + b, i]
+            above += s[i, bins + b]
     if below >= above:
-        s[hi, i] = s[lo, i] + (begin << bin_log2 << SUB)
+        s[i, hi] = s[i, lo] + (begin << bin_log2 << SUB)
     else:
-        s[lo, i] = s[lo, i] + (end << bin_log2 << SUB)
-        s[hi, i] = max(s[hi, i], s[lo, i])
+        s[i, lo] = s[i, lo] + (end << bin_log2 << SUB)
+        s[i, hi] = max(s[i, hi], s[i, lo])
 
 
 @step
@@ -101,20 +101,20 @@ def look_for_gaps(s: Table, r: Table, i: int) -> None:
     """
     if r[GAP_CORRECTIONS] == 0:
         return
-    s[LOOKED, i] += 1
-    if s[LOOKED, i] < r[GAP_CORRECTIONS]:
+    s[i, LOOKED] += 1
+    if s[i, LOOKED] < r[GAP_CORRECTIONS]:
         return
-    speed_x = abs(s[V_X, i])
-    speed_y = abs(s[V_Y, i])
-    if s[CORRECTIONS, i] >= LOOKS_FROM and speed_x + speed_y > 0:
+    speed_x = abs(s[i, V_X])
+    speed_y = abs(s[i, V_Y])
+    if s[i, CORRECTIONS] >= LOOKS_FROM and speed_x + speed_y > 0:
         width = length(s, LO_X, HI_X, i)
         height = length(s, LO_Y, HI_Y, i)
         if 2 * speed_y >= speed_x:
-            _cut(s, r, i, LO_X, HI_X, BINS_X, s[BIN_LOG2_X, i], r[GAP_PX])
+            _cut(s, r, i, LO_X, HI_X, BINS_X, s[i, BIN_LOG2_X], r[GAP_PX])
         elif width >= r[ELONGATION] * height:
-            _cut(s, r, i, LO_X, HI_X, BINS_X, s[BIN_LOG2_X, i], max(r[GAP_PX], height >> 1))
+            _cut(s, r, i, LO_X, HI_X, BINS_X, s[i, BIN_LOG2_X], max(r[GAP_PX], height >> 1))
         if 2 * speed_x >= speed_y:
-            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[BIN_LOG2_Y, i], r[GAP_PX])
+            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[i, BIN_LOG2_Y], r[GAP_PX])
         elif height >= r[ELONGATION] * width:
-            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[BIN_LOG2_Y, i], max(r[GAP_PX], width >> 1))
+            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[i, BIN_LOG2_Y], max(r[GAP_PX], width >> 1))
     clear_bins(s, i)

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from numba import njit
 
-from ..._numba_private import step
+from ..._numba_private import inlined_step, step
 from ...tracks.log import DROPPED
 from ._gaps import count_in_bins
 from ._lives import LOST, MOVED, appears, correct, name, record, seed
 from ._meetings import absorbed, hide_sides, join
 from ._owner import find
+from ._places import OF_STATE, alone, enter, renew, withdraw
 from ._sides import measure
 from ._state import (
     CANDIDATE,
@@ -54,42 +55,46 @@ from ._windows import await_return, bounded, set_window, take_window
 
 __all__ = ["RECORDS_PER_SLOT", "feed", "initialise", "restart", "restep"]
 
-RECORDS_PER_SLOT = 3  # at most, of a motion step, or of an event
+RECORDS_PER_SLOT = 3  # at most, of a motion step
+NOBODY = -1  # owns an event
 
 
 @njit(cache=True, nogil=True)
-def initialise(s: Table, r: Table, glob: Table) -> None:
+def initialise(s: Table, r: Table, glob: Table, modes: Table, places: Table) -> None:
     """Reset: every slot is free."""
     glob[:] = 0
     glob[NEXT_STEP] = 1 << r[STEP_LOG2]
     glob[IN_FORCE] = NEVER
     glob[SEEDING] = -1
-    for i in range(s.shape[1]):
-        s[STATE, i] = FREE
-        s[DEADLINE, i] = NEVER
+    for i in range(s.shape[0]):
+        s[i, STATE] = FREE
+        s[i, DEADLINE] = NEVER
+    renew(s, places, modes)
 
 
 @step
-def _put_in_force(s: Table, glob: Table, upto: int) -> None:
+def _put_in_force(s: Table, glob: Table, places: Table, upto: int) -> None:
     """Put windows and candidates in force that wait for an event up to this one, and see which is next."""
     glob[IN_FORCE] = NEVER
-    for i in range(s.shape[1]):
-        if s[WAITS, i]:
-            if s[WAITS, i] <= upto:
+    for i in range(s.shape[0]):
+        if s[i, WAITS]:
+            if s[i, WAITS] <= upto:
+                withdraw(s, places, i)
                 take_window(s, i)
-                s[COUNT, i] = 0
-                s[WAITS, i] = 0
+                enter(s, places, i)
+                s[i, COUNT] = 0
+                s[i, WAITS] = 0
                 if glob[SEEDING] == i:
                     glob[SEEDING] = -1
             else:
-                glob[IN_FORCE] = min(glob[IN_FORCE], s[WAITS, i])
+                glob[IN_FORCE] = min(glob[IN_FORCE], s[i, WAITS])
 
 
 @step
 def _wait(s: Table, glob: Table, i: int) -> None:
     """What was computed of slot i, with this event, is in force so many events later."""
-    s[WAITS, i] = glob[SEQ] + IN_FORCE_AFTER
-    glob[IN_FORCE] = min(glob[IN_FORCE], s[WAITS, i])
+    s[i, WAITS] = glob[SEQ] + IN_FORCE_AFTER
+    glob[IN_FORCE] = min(glob[IN_FORCE], s[i, WAITS])
 
 
 @njit(cache=True, nogil=True)
@@ -99,57 +104,58 @@ def restep(r: Table, glob: Table) -> None:
 
 
 @njit(cache=True, nogil=True)
-def restart(s: Table, glob: Table, i: int, out: Table) -> int:
+def restart(s: Table, glob: Table, modes: Table, places: Table, i: int, out: Table) -> int:
     """End slot i's life at once; returns the number of records, one if it was visible."""
     n = 0
-    _put_in_force(s, glob, NEVER)
-    if s[STATE, i] == VISIBLE:
+    _put_in_force(s, glob, places, NEVER)
+    if s[i, STATE] == VISIBLE:
         n = record(s, i, LOST, glob[SEQ], glob[NOW], 0, out, n)
-    s[STATE, i] = FREE
-    s[DEADLINE, i] = NEVER
+    s[i, STATE] = FREE
+    s[i, DEADLINE] = NEVER
+    renew(s, places, modes)
     return n
 
 
 @step
 def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
     """The motion step of one slot that is not free."""
-    if now >= s[DEADLINE, i]:
-        if s[STATE, i] == VISIBLE:
+    if now >= s[i, DEADLINE]:
+        if s[i, STATE] == VISIBLE:
             n = record(s, i, LOST, glob[SEQ], now, 0, out, n)
             if r[RETURN_TICKS]:
-                s[STATE, i] = LEFT
+                s[i, STATE] = LEFT
                 await_return(s, r, i)
-                s[DEADLINE, i] = now + r[RETURN_TICKS]
+                s[i, DEADLINE] = now + r[RETURN_TICKS]
                 return n
-        s[STATE, i] = FREE
-        s[DEADLINE, i] = NEVER
+        s[i, STATE] = FREE
+        s[i, DEADLINE] = NEVER
         return n
-    if s[STATE, i] == LEFT:
+    if s[i, STATE] == LEFT:
         return n
-    if s[STATE, i] == VISIBLE or s[CORRECTIONS, i] >= MOVES_FROM:
+    if s[i, STATE] == VISIBLE or s[i, CORRECTIONS] >= MOVES_FROM:
         advance(s, r, lim, i, now)
     bounded(s, r, LO_X, HI_X, i)
     bounded(s, r, LO_Y, HI_Y, i)
     set_window(s, r, i)
     n = join(s, r, lim, glob, i, now, out, n)
-    if s[STATE, i] == CANDIDATE and not absorbed(s, r, lim, i) and appears(s, r, i, now):
+    if s[i, STATE] == CANDIDATE and not absorbed(s, r, lim, i) and appears(s, r, i, now):
         return record(s, i, name(s, lim, glob, i), glob[SEQ], now, 0, out, n)
-    if s[STATE, i] == VISIBLE:
+    if s[i, STATE] == VISIBLE:
         hide_sides(s, i)
-        if now - s[REPORTED, i] >= r[REPORT_STEPS] << r[STEP_LOG2]:
+        if now - s[i, REPORTED] >= r[REPORT_STEPS] << r[STEP_LOG2]:
             n = record(s, i, MOVED, glob[SEQ], now, 0, out, n)
     return n
 
 
 @step
-def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> int:
+def _step(s: Table, r: Table, lim: Table, glob: Table, places: Table, out: Table, n: int) -> int:
     """One motion step of all slots, in order."""
     now = glob[NEXT_STEP]
     if glob[IN_FORCE] != NEVER:
-        _put_in_force(s, glob, NEVER)
+        _put_in_force(s, glob, places, NEVER)
     glob[NEXT_STEP] += 1 << r[STEP_LOG2]
-    for i in range(s.shape[1]):
-        if s[STATE, i] != FREE:
+    for i in range(s.shape[0]):
+        if s[i, STATE] != FREE:
             n = _step_slot(s, r, lim, glob, i, now, out, n)
     return n
 
@@ -157,75 +163,97 @@ def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> in
 @step
 def _lives(s: Table) -> bool:
     """Whether any slot has a candidate, or a track, lost ones that may return among them."""
-    for i in range(s.shape[1]):  # noqa: SIM110 (any() would allocate)
-        if s[STATE, i] != FREE:
+    for i in range(s.shape[0]):  # noqa: SIM110 (any() would allocate)
+        if s[i, STATE] != FREE:
             return True
     return False
 
 
-@step
+@inlined_step
 def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
     """What an event does to its owner; true when the window of N_ev events is complete."""
-    s[SUPPORT, i] = min(s[SUPPORT, i] + 1, lim[SUPPORT_MAX])
-    if shared or s[WAITS, i]:
+    s[i, SUPPORT] = min(s[i, SUPPORT] + 1, lim[SUPPORT_MAX])
+    if shared or s[i, WAITS]:
         return False
     if r[GAP_CORRECTIONS]:
         count_in_bins(s, i, x, y)
     measure(s, r, i, x, y)
-    s[COUNT, i] += 1
-    return bool(s[COUNT, i] >= s[N_EV, i])
+    s[i, COUNT] += 1
+    return bool(s[i, COUNT] >= s[i, N_EV])
+
+
+@step
+def _steps(
+    s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table, now: int, out: Table, n: int
+) -> int:  # fmt: skip
+    """All motion steps up to `now`, or fewer if `out` could overflow; returns the new number of records."""
+    room = RECORDS_PER_SLOT * s.shape[0]
+    while glob[NEXT_STEP] <= now and n + room <= len(out):
+        if not _lives(s):  # steps in which nothing happens, however many
+            glob[NEXT_STEP] += (((now - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
+            break
+        n = _step(s, r, lim, glob, places, out, n)
+    renew(s, places, modes)
+    return n
+
+
+@step
+def _seed(s: Table, r: Table, glob: Table, places: Table, i: int, x: int, y: int, now: int) -> None:
+    """An event begins a candidate in slot i, which no other one does until this one is in force."""
+    places[OF_STATE, s[i, STATE]] &= ~alone(i)
+    places[OF_STATE, CANDIDATE] |= alone(i)
+    seed(s, r, i, x, y, now)
+    glob[SEEDING] = i
+    _wait(s, glob, i)
+
+
+@step
+def _correct(s: Table, r: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
+    """An event completes a window of slot i; returns the new number of records."""
+    correct(s, r, i, now)
+    _wait(s, glob, i)
+    return record(s, i, MOVED, glob[SEQ], now, 0, out, n) if s[i, STATE] == VISIBLE else n
 
 
 @njit(cache=True, nogil=True)
 def feed(
-    s: Table, r: Table, lim: Table, glob: Table, modes: Table,
-    ticks: Table, xs: Table, ys: Table, keep: Table, begin: int, owner: Table, rel_x: Table, rel_y: Table, out: Table,
+    s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table,
+    ticks: Table, xs: Table, ys: Table, keep: Table, owner: Table, rel_x: Table, rel_y: Table, out: Table,
 ) -> tuple[int, int]:  # fmt: skip
-    """Process events from `begin` on until all are done or `out` could overflow; returns (events done, records written).
+    """Process events until all are done or `out` could overflow; returns (events done, records written).
 
-    Events whose entry in `keep` is false only advance time and the event count; an empty `keep` keeps all.
+    Events whose entry in `keep` is false only advance time and the event count; an empty `keep` keeps all. `rel_x` and `rel_y`
+    hold zeros and are filled in where an event has an owner.
     """
     n = 0
-    room = RECORDS_PER_SLOT * s.shape[1]
     all_kept = len(keep) == 0
-    for e in range(begin, len(ticks)):
-        x = int(xs[e])
-        y = int(ys[e])
+    for e in range(len(ticks)):
         now = ticks[e]
-        while glob[NEXT_STEP] <= now:
-            if not _lives(s):  # steps in which nothing happens, however many
-                glob[NEXT_STEP] += (((now - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
-                break
-            if n + room > len(out):
-                return e, n
-            n = _step(s, r, lim, glob, out, n)
-        if n + room > len(out):
+        if glob[NEXT_STEP] <= now:
+            n = _steps(s, r, lim, glob, modes, places, now, out, n)
+        if n == len(out) or glob[NEXT_STEP] <= now:
             return e, n
         glob[NOW] = now
-        rel_x[e] = 0
-        rel_y[e] = 0
-        if not (all_kept or keep[e]):
-            owner[e] = DROPPED
-        else:
+        if all_kept or keep[e]:
             if glob[SEQ] >= glob[IN_FORCE]:
-                _put_in_force(s, glob, glob[SEQ])
-            i, shared, seeds = find(s, modes, x, y)
-            if seeds and glob[SEEDING] >= 0:
-                i, seeds = -1, False
-            owner[e] = i
-            if seeds:
-                seed(s, r, i, x, y, now)
-                glob[SEEDING] = i
-                _wait(s, glob, i)
-                rel_x[e] = (x - s[NEXT_WIN_LO_X, i]) & lim[REL_MASK]
-                rel_y[e] = (y - s[NEXT_WIN_LO_Y, i]) & lim[REL_MASK]
-            elif i >= 0:
-                rel_x[e] = (x - s[WIN_LO_X, i]) & lim[REL_MASK]
-                rel_y[e] = (y - s[WIN_LO_Y, i]) & lim[REL_MASK]
+                _put_in_force(s, glob, places, glob[SEQ])
+            x = int(xs[e])
+            y = int(ys[e])
+            i, shared, seeds = find(places, x, y)
+            if i >= 0 and not seeds:
+                owner[e] = i
+                rel_x[e] = (x - s[i, WIN_LO_X]) & lim[REL_MASK]
+                rel_y[e] = (y - s[i, WIN_LO_Y]) & lim[REL_MASK]
                 if _take(s, r, lim, i, x, y, shared):
-                    correct(s, r, i, now)
-                    _wait(s, glob, i)
-                    if s[STATE, i] == VISIBLE:
-                        n = record(s, i, MOVED, glob[SEQ], now, 0, out, n)
+                    n = _correct(s, r, glob, i, now, out, n)
+            elif i >= 0 and glob[SEEDING] < 0:
+                _seed(s, r, glob, places, i, x, y, now)
+                owner[e] = i
+                rel_x[e] = (x - s[i, NEXT_WIN_LO_X]) & lim[REL_MASK]
+                rel_y[e] = (y - s[i, NEXT_WIN_LO_Y]) & lim[REL_MASK]
+            else:
+                owner[e] = NOBODY
+        else:
+            owner[e] = DROPPED
         glob[SEQ] += 1
     return len(ticks), n

@@ -78,19 +78,19 @@ def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Ta
     row = out[n]
     row.seq = seq
     row.time = time
-    row.track_id = s[ID, i]
+    row.track_id = s[i, ID]
     row.other_id = other
-    row.cm_x = (s[LO_X, i] + s[HI_X, i]) >> 1
-    row.cm_y = (s[LO_Y, i] + s[HI_Y, i]) >> 1
-    row.width = max(s[HI_X, i] - s[LO_X, i], 0)
-    row.height = max(s[HI_Y, i] - s[LO_Y, i], 0)
-    row.v_x = s[V_X, i]
-    row.v_y = s[V_Y, i]
-    row.support = s[SUPPORT, i]
-    row.n_ev = s[N_EV, i]
+    row.cm_x = (s[i, LO_X] + s[i, HI_X]) >> 1
+    row.cm_y = (s[i, LO_Y] + s[i, HI_Y]) >> 1
+    row.width = max(s[i, HI_X] - s[i, LO_X], 0)
+    row.height = max(s[i, HI_Y] - s[i, LO_Y], 0)
+    row.v_x = s[i, V_X]
+    row.v_y = s[i, V_Y]
+    row.support = s[i, SUPPORT]
+    row.n_ev = s[i, N_EV]
     row.slot = i
     row.kind = kind
-    s[REPORTED, i] = time
+    s[i, REPORTED] = time
     return n + 1
 
 
@@ -98,11 +98,11 @@ def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Ta
 def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
     """A candidate begins: a square around the event, at rest, which holds no event until it is in force."""
     half = r[SEED_PX] << SUB
-    s[STATE, i] = CANDIDATE
-    s[LO_X, i] = (x << SUB) - half
-    s[HI_X, i] = (x << SUB) + half
-    s[LO_Y, i] = (y << SUB) - half
-    s[HI_Y, i] = (y << SUB) + half
+    s[i, STATE] = CANDIDATE
+    s[i, LO_X] = (x << SUB) - half
+    s[i, HI_X] = (x << SUB) + half
+    s[i, LO_Y] = (y << SUB) - half
+    s[i, HI_Y] = (y << SUB) + half
     for field in (
         V_X,
         V_Y,
@@ -119,18 +119,18 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
         RUN_X,
         RUN_Y,
     ):
-        s[field, i] = 0
-    s[SUPPORT, i] = 1
-    s[PARTNER, i] = -1
-    s[N_EV, i] = r[NEV_LOW]
-    s[LAST, i] = now
-    s[SEEDED, i] = now
-    s[USUAL, i] = r[DETECT_TICKS]
-    s[DEADLINE, i] = now + r[DETECT_TICKS]
+        s[i, field] = 0
+    s[i, SUPPORT] = 1
+    s[i, PARTNER] = -1
+    s[i, N_EV] = r[NEV_LOW]
+    s[i, LAST] = now
+    s[i, SEEDED] = now
+    s[i, USUAL] = r[DETECT_TICKS]
+    s[i, DEADLINE] = now + r[DETECT_TICKS]
     clear_bins(s, i)
     next_window(s, r, i)
-    s[WIN_LO_X, i] = 1
-    s[WIN_HI_X, i] = 0
+    s[i, WIN_LO_X] = 1
+    s[i, WIN_HI_X] = 0
 
 
 @step
@@ -139,28 +139,28 @@ def correct(s: Table, r: Table, i: int, now: int) -> None:
     shrink(s, r, i)
     look_for_gaps(s, r, i)
     correct_velocity(s, r, i, now)
-    s[CORRECTIONS, i] = min(s[CORRECTIONS, i] + 1, CORRECTIONS_MAX)
-    if s[CORRECTIONS, i] == MOVES_FROM:
-        s[FROM_X, i] = s[LO_X, i] + s[HI_X, i]
-        s[FROM_Y, i] = s[LO_Y, i] + s[HI_Y, i]
+    s[i, CORRECTIONS] = min(s[i, CORRECTIONS] + 1, CORRECTIONS_MAX)
+    if s[i, CORRECTIONS] == MOVES_FROM:
+        s[i, FROM_X] = s[i, LO_X] + s[i, HI_X]
+        s[i, FROM_Y] = s[i, LO_Y] + s[i, HI_Y]
     outline = length(s, LO_X, HI_X, i) + length(s, LO_Y, HI_Y, i)
-    s[N_EV, i] = min(max(outline, r[NEV_LOW]), r[NEV_HIGH])
-    s[DEADLINE, i] = now + min(max(s[USUAL, i] << r[LIFE_LOG2], r[LIFE_TICKS]), r[COAST_TICKS])
+    s[i, N_EV] = min(max(outline, r[NEV_LOW]), r[NEV_HIGH])
+    s[i, DEADLINE] = now + min(max(s[i, USUAL] << r[LIFE_LOG2], r[LIFE_TICKS]), r[COAST_TICKS])
     next_window(s, r, i)
 
 
 @step
 def appears(s: Table, r: Table, i: int, now: int) -> bool:
     """Whether candidate i becomes visible: by support, size, time and the way that it has gone."""
-    width = s[HI_X, i] - s[LO_X, i]
-    height = s[HI_Y, i] - s[LO_Y, i]
-    way_x = abs(s[LO_X, i] + s[HI_X, i] - s[FROM_X, i])
-    way_y = abs(s[LO_Y, i] + s[HI_Y, i] - s[FROM_Y, i])
+    width = s[i, HI_X] - s[i, LO_X]
+    height = s[i, HI_Y] - s[i, LO_Y]
+    way_x = abs(s[i, LO_X] + s[i, HI_X] - s[i, FROM_X])
+    way_y = abs(s[i, LO_Y] + s[i, HI_Y] - s[i, FROM_Y])
     return bool(
-        s[CORRECTIONS, i] >= MOVES_FROM
-        and s[SUPPORT, i] >= r[BIRTH_SUPPORT]
+        s[i, CORRECTIONS] >= MOVES_FROM
+        and s[i, SUPPORT] >= r[BIRTH_SUPPORT]
         and min(width, height) >= r[BIRTH_PX] << SUB
-        and now - s[SEEDED, i] >= r[BIRTH_TICKS]
+        and now - s[i, SEEDED] >= r[BIRTH_TICKS]
         and max(way_x, way_y) >= ((width + height) >> (r[BIRTH_TRAVEL] + 1)) + 2 * ONE
     )
 
@@ -168,13 +168,13 @@ def appears(s: Table, r: Table, i: int, now: int) -> bool:
 @step
 def name(s: Table, lim: Table, glob: Table, i: int) -> int:
     """Slot i becomes visible: as the track that was lost where its window is, or as a new one; returns the record's kind."""
-    s[STATE, i] = VISIBLE
-    for j in range(s.shape[1]):
-        if s[STATE, j] == LEFT and windows_touch(s, i, j):
-            s[ID, i] = s[ID, j]
-            s[STATE, j] = FREE
-            s[DEADLINE, j] = NEVER
+    s[i, STATE] = VISIBLE
+    for j in range(s.shape[0]):
+        if s[j, STATE] == LEFT and windows_touch(s, i, j):
+            s[i, ID] = s[j, ID]
+            s[j, STATE] = FREE
+            s[j, DEADLINE] = NEVER
             return MOVED
-    s[ID, i] = glob[BIRTHS] & lim[ID_MASK]
+    s[i, ID] = glob[BIRTHS] & lim[ID_MASK]
     glob[BIRTHS] += 1
     return BORN

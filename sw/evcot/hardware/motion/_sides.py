@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..._numba_private import step
+from ..._numba_private import inlined_step, step
 from ._state import (
     AT_HI_X,
     AT_HI_Y,
@@ -32,7 +32,7 @@ from .contract import SUB
 __all__ = ["measure", "shrink"]
 
 
-@step
+@inlined_step
 def _axis(
     s: Table, i: int, lo: int, hi: int, off_lo: int, off_hi: int, at_lo: int, at_hi: int, place: int, out: int, back: int
 ) -> None:
@@ -40,34 +40,34 @@ def _axis(
 
     A side that is hidden goes where the opposite one goes; if both are hidden neither is measured.
     """
-    hide_lo = s[HIDDEN, i] & at_lo
-    hide_hi = s[HIDDEN, i] & at_hi
+    hide_lo = s[i, HIDDEN] & at_lo
+    hide_hi = s[i, HIDDEN] & at_hi
     if hide_lo and hide_hi:
         return
     move_lo = back
     move_hi = -back
-    if place < s[lo, i]:
+    if place < s[i, lo]:
         move_lo = -out
-        s[BEYOND, i] |= at_lo
-    if place > s[hi, i]:
+        s[i, BEYOND] |= at_lo
+    if place > s[i, hi]:
         move_hi = out
-        s[BEYOND, i] |= at_hi
+        s[i, BEYOND] |= at_hi
     if hide_lo:
         move_lo = move_hi
     elif hide_hi:
         move_hi = move_lo
-    s[lo, i] += move_lo
-    s[hi, i] += move_hi
-    s[off_lo, i] += move_lo
-    s[off_hi, i] += move_hi
+    s[i, lo] += move_lo
+    s[i, hi] += move_hi
+    s[i, off_lo] += move_lo
+    s[i, off_hi] += move_hi
 
 
-@step
+@inlined_step
 def measure(s: Table, r: Table, i: int, x: int, y: int) -> None:
     """Move the sides of slot i by one event; those of a candidate move twice as fast."""
     back = r[SIDE_STEP] >> r[SIDE_SHARE]
     out = r[SIDE_STEP] - back
-    if s[STATE, i] == CANDIDATE:
+    if s[i, STATE] == CANDIDATE:
         out <<= 1
         back <<= 1
     _axis(s, i, LO_X, HI_X, OFF_LO_X, OFF_HI_X, AT_LO_X, AT_HI_X, x << SUB, out, back)
@@ -77,20 +77,20 @@ def measure(s: Table, r: Table, i: int, x: int, y: int) -> None:
 @step
 def shrink(s: Table, r: Table, i: int) -> None:
     """At a correction: a side that no event was beyond moves inwards by a part of the box, unless the slot meets another."""
-    if r[SIDE_SHRINK] and not s[MEETS, i]:
-        width = max(s[HI_X, i] - s[LO_X, i], 0) >> r[SIDE_SHRINK]
-        height = max(s[HI_Y, i] - s[LO_Y, i], 0) >> r[SIDE_SHRINK]
-        marked = s[BEYOND, i]
+    if r[SIDE_SHRINK] and not s[i, MEETS]:
+        width = max(s[i, HI_X] - s[i, LO_X], 0) >> r[SIDE_SHRINK]
+        height = max(s[i, HI_Y] - s[i, LO_Y], 0) >> r[SIDE_SHRINK]
+        marked = s[i, BEYOND]
         if not marked & AT_LO_X:
-            s[LO_X, i] += width
-            s[OFF_LO_X, i] += width
+            s[i, LO_X] += width
+            s[i, OFF_LO_X] += width
         if not marked & AT_HI_X:
-            s[HI_X, i] -= width
-            s[OFF_HI_X, i] -= width
+            s[i, HI_X] -= width
+            s[i, OFF_HI_X] -= width
         if not marked & AT_LO_Y:
-            s[LO_Y, i] += height
-            s[OFF_LO_Y, i] += height
+            s[i, LO_Y] += height
+            s[i, OFF_LO_Y] += height
         if not marked & AT_HI_Y:
-            s[HI_Y, i] -= height
-            s[OFF_HI_Y, i] -= height
-    s[BEYOND, i] = 0
+            s[i, HI_Y] -= height
+            s[i, OFF_HI_Y] -= height
+    s[i, BEYOND] = 0

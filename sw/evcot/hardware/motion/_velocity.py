@@ -89,7 +89,7 @@ def gain_log2(s: Table, r: Table, i: int, done: int, run: int) -> int:
     While the slot meets another, its events may be the other's: the gain is halved, and does not rise.
     """
     gain = min(1 + (done >> r[GAIN_SLOW]), r[GAIN_LOG2])
-    if s[MEETS, i]:
+    if s[i, MEETS]:
         return int(gain + 1)
     if r[GAIN_FAST] == 0:
         return int(gain)
@@ -99,47 +99,47 @@ def gain_log2(s: Table, r: Table, i: int, done: int, run: int) -> int:
 @step
 def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
     """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity."""
-    ticks = min(max(now - s[LAST, i], 1), TICKS_MAX)
-    done = s[CORRECTIONS, i]
+    ticks = min(max(now - s[i, LAST], 1), TICKS_MAX)
+    done = s[i, CORRECTIONS]
     if done >= 2:
         slower = done < r[SETTLE]
-        d_x = _common(s[OFF_LO_X, i], s[OFF_HI_X, i], slower)
-        d_y = _common(s[OFF_LO_Y, i], s[OFF_HI_Y, i], slower)
-        s[RUN_X, i] = _run(s[RUN_X, i], d_x)
-        s[RUN_Y, i] = _run(s[RUN_Y, i], d_y)
+        d_x = _common(s[i, OFF_LO_X], s[i, OFF_HI_X], slower)
+        d_y = _common(s[i, OFF_LO_Y], s[i, OFF_HI_Y], slower)
+        s[i, RUN_X] = _run(s[i, RUN_X], d_x)
+        s[i, RUN_Y] = _run(s[i, RUN_Y], d_y)
         shift = r[STEP_LOG2] - 1
         most = r[SPEED_MAX]
-        v_x = s[V_X, i] + over(d_x, ticks, shift - gain_log2(s, r, i, done, s[RUN_X, i]))
-        v_y = s[V_Y, i] + over(d_y, ticks, shift - gain_log2(s, r, i, done, s[RUN_Y, i]))
-        s[V_X, i] = max(-most, min(most, v_x))
-        s[V_Y, i] = max(-most, min(most, v_y))
-    s[OFF_LO_X, i] = 0
-    s[OFF_HI_X, i] = 0
-    s[OFF_LO_Y, i] = 0
-    s[OFF_HI_Y, i] = 0
-    s[USUAL, i] = ticks if done == 0 else s[USUAL, i] + ((ticks - s[USUAL, i]) >> 2)
-    s[LAST, i] = now
+        v_x = s[i, V_X] + over(d_x, ticks, shift - gain_log2(s, r, i, done, s[i, RUN_X]))
+        v_y = s[i, V_Y] + over(d_y, ticks, shift - gain_log2(s, r, i, done, s[i, RUN_Y]))
+        s[i, V_X] = max(-most, min(most, v_x))
+        s[i, V_Y] = max(-most, min(most, v_y))
+    s[i, OFF_LO_X] = 0
+    s[i, OFF_HI_X] = 0
+    s[i, OFF_LO_Y] = 0
+    s[i, OFF_HI_Y] = 0
+    s[i, USUAL] = ticks if done == 0 else s[i, USUAL] + ((ticks - s[i, USUAL]) >> 2)
+    s[i, LAST] = now
 
 
 @step
 def _move(s: Table, lo: int, hi: int, way: int, i: int, reach: int) -> None:
     """Move both sides of an axis, unless one of them would go too far out of the sensor."""
-    low = s[lo, i] + way
-    high = s[hi, i] + way
+    low = s[i, lo] + way
+    high = s[i, hi] + way
     if -reach <= low and low < 2 * reach and -reach <= high and high < 2 * reach:
-        s[lo, i] = low
-        s[hi, i] = high
+        s[i, lo] = low
+        s[i, hi] = high
 
 
 @step
 def advance(s: Table, r: Table, lim: Table, i: int, now: int) -> None:
     """A motion step: box and velocity go on; what has been silent for long slows down, unless another may hide it."""
-    v_x = s[V_X, i]
-    v_y = s[V_Y, i]
-    silent = not s[MEETS, i] and now - s[LAST, i] > s[USUAL, i] << 1
+    v_x = s[i, V_X]
+    v_y = s[i, V_Y]
+    silent = not s[i, MEETS] and now - s[i, LAST] > s[i, USUAL] << 1
     slow = r[COAST_SLOW] if silent else 0
     _move(s, LO_X, HI_X, v_x >> slow, i, lim[REACH])
     _move(s, LO_Y, HI_Y, v_y >> slow, i, lim[REACH])
     if silent and r[FRICTION]:
-        s[V_X, i] = v_x - (v_x >> r[FRICTION])
-        s[V_Y, i] = v_y - (v_y >> r[FRICTION])
+        s[i, V_X] = v_x - (v_x >> r[FRICTION])
+        s[i, V_Y] = v_y - (v_y >> r[FRICTION])

@@ -62,19 +62,19 @@ __all__ = [
 @step
 def length(s: Table, lo: int, hi: int, i: int) -> int:
     """A side of the box in whole pixels, at least 0."""
-    return int(max(s[hi, i] - s[lo, i], 0) >> SUB)
+    return int(max(s[i, hi] - s[i, lo], 0) >> SUB)
 
 
 @step
 def _box(s: Table, lo: int, hi: int, box_lo: int, box_hi: int, i: int) -> None:
     """The pixels of both sides, to nearest; sides that have passed each other give their middle pixel."""
-    low = (s[lo, i] + (ONE >> 1)) >> SUB
-    high = (s[hi, i] + (ONE >> 1)) >> SUB
+    low = (s[i, lo] + (ONE >> 1)) >> SUB
+    high = (s[i, hi] + (ONE >> 1)) >> SUB
     if high < low:
         low = (low + high) >> 1
         high = low
-    s[box_lo, i] = low
-    s[box_hi, i] = high
+    s[i, box_lo] = low
+    s[i, box_hi] = high
 
 
 @step
@@ -104,7 +104,7 @@ def await_return(s: Table, r: Table, i: int) -> None:
 def take_window(s: Table, i: int) -> None:
     """Put slot i's next box and window in force."""
     for k in range(8):
-        s[BOX_LO_X + k, i] = s[NEXT_BOX_LO_X + k, i]
+        s[i, BOX_LO_X + k] = s[i, NEXT_BOX_LO_X + k]
 
 
 @step
@@ -112,9 +112,9 @@ def next_window(s: Table, r: Table, i: int) -> None:
     """Box and window of slot i from its sides and its velocity, which are not in force yet."""
     width = length(s, LO_X, HI_X, i)
     height = length(s, LO_Y, HI_Y, i)
-    speed_x = abs(s[V_X, i])
-    speed_y = abs(s[V_Y, i])
-    known = s[STATE, i] != CANDIDATE or s[CORRECTIONS, i] >= MOVES_FROM
+    speed_x = abs(s[i, V_X])
+    speed_y = abs(s[i, V_Y])
+    known = s[i, STATE] != CANDIDATE or s[i, CORRECTIONS] >= MOVES_FROM
     if known and speed_y >= 2 * speed_x:
         ring_x = (width >> r[RING_ACROSS]) + r[RING_PX]
         ring_y = _reach(r, width, height)
@@ -132,38 +132,38 @@ def next_window(s: Table, r: Table, i: int) -> None:
 @step
 def _surround(s: Table, i: int, ring_x: int, ring_y: int) -> None:
     """Slot i's next window, by the distances from its next box."""
-    s[NEXT_WIN_LO_X, i] = s[NEXT_BOX_LO_X, i] - ring_x
-    s[NEXT_WIN_HI_X, i] = s[NEXT_BOX_HI_X, i] + ring_x
-    s[NEXT_WIN_LO_Y, i] = s[NEXT_BOX_LO_Y, i] - ring_y
-    s[NEXT_WIN_HI_Y, i] = s[NEXT_BOX_HI_Y, i] + ring_y
+    s[i, NEXT_WIN_LO_X] = s[i, NEXT_BOX_LO_X] - ring_x
+    s[i, NEXT_WIN_HI_X] = s[i, NEXT_BOX_HI_X] + ring_x
+    s[i, NEXT_WIN_LO_Y] = s[i, NEXT_BOX_LO_Y] - ring_y
+    s[i, NEXT_WIN_HI_Y] = s[i, NEXT_BOX_HI_Y] + ring_y
 
 
 @step
 def bounded(s: Table, r: Table, lo: int, hi: int, i: int) -> None:
     """Limit a side's length to `side_max`, about its middle."""
     most = r[SIDE_MAX] << SUB
-    if s[hi, i] - s[lo, i] > most:
-        middle = (s[hi, i] + s[lo, i]) >> 1
-        s[lo, i] = middle - (most >> 1)
-        s[hi, i] = middle + (most >> 1)
+    if s[i, hi] - s[i, lo] > most:
+        middle = (s[i, hi] + s[i, lo]) >> 1
+        s[i, lo] = middle - (most >> 1)
+        s[i, hi] = middle + (most >> 1)
 
 
 @njit(cache=True, nogil=True, inline="always")
 def in_window(s: Table, i: int, x: int, y: int) -> bool:
     """Whether a pixel lies in slot i's window."""
-    return bool(s[WIN_LO_X, i] <= x and x <= s[WIN_HI_X, i] and s[WIN_LO_Y, i] <= y and y <= s[WIN_HI_Y, i])
+    return bool(s[i, WIN_LO_X] <= x and x <= s[i, WIN_HI_X] and s[i, WIN_LO_Y] <= y and y <= s[i, WIN_HI_Y])
 
 
 @njit(cache=True, nogil=True, inline="always")
 def in_box(s: Table, i: int, x: int, y: int) -> bool:
     """Whether a pixel lies in slot i's box."""
-    return bool(s[BOX_LO_X, i] <= x and x <= s[BOX_HI_X, i] and s[BOX_LO_Y, i] <= y and y <= s[BOX_HI_Y, i])
+    return bool(s[i, BOX_LO_X] <= x and x <= s[i, BOX_HI_X] and s[i, BOX_LO_Y] <= y and y <= s[i, BOX_HI_Y])
 
 
 @step
 def gap(s: Table, lo: int, hi: int, i: int, j: int) -> int:
     """Pixels from one interval to the other; negative: how far they overlap."""
-    return int(max(s[lo, i], s[lo, j]) - min(s[hi, i], s[hi, j]))
+    return int(max(s[i, lo], s[j, lo]) - min(s[i, hi], s[j, hi]))
 
 
 @step

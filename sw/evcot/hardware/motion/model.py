@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 from ...ticks import TickedEvents
 from ..contract import Shape
 from ._kernel import RECORDS_PER_SLOT, feed, initialise, restart, restep
+from ._places import ROWS, extent
 from ._state import FIELD_COUNT, GLOBAL_COUNT, ID_MASK, LIMIT_COUNT, NOW, REACH, REL_MASK, SUPPORT_MAX
 from .contract import MOTION_RECORD, SUB, MotionRegisters
 
 __all__ = ["MotionModel"]
+
+_SPARE_RECORDS = 4096  # in the buffer of the compiled loop, beside those of a motion step
 
 
 class MotionModel:
@@ -32,9 +35,11 @@ class MotionModel:
         self._limits[REL_MASK] = (1 << shape.rel_w) - 1
         self._limits[REACH] = 1 << (shape.reach_log2 + SUB)
         self._modes = np.array(modes, np.int64)
-        self._state = np.zeros((FIELD_COUNT, shape.n_slots), np.int64)
+        self._state = np.zeros((shape.n_slots, FIELD_COUNT), np.int64)
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)
-        initialise(self._state, self._registers, self._globals)
+        self._buffer = np.zeros(RECORDS_PER_SLOT * shape.n_slots + _SPARE_RECORDS, MOTION_RECORD)
+        self._places = np.zeros((ROWS, extent(shape.x_w, shape.y_w)), np.uint64)
+        initialise(self._state, self._registers, self._globals, self._modes, self._places)
 
     def feed(
         self,
@@ -44,24 +49,28 @@ class MotionModel:
         rel_x: NDArray[np.uint16],
         rel_y: NDArray[np.uint16],
     ) -> NDArray[np.void]:
-        """Process a run of events, fill in what was decided on each, and return the records, (m,) MOTION_RECORD."""
-        n, done = len(events), 0
-        least = 2 * RECORDS_PER_SLOT * len(self._modes)
+        """Process a run of events, fill in what was decided on each, and return the records, (m,) MOTION_RECORD.
+
+        `rel_x` and `rel_y` hold zeros, which stay where an event has no owner.
+        """
+        done = 0
         parts: list[NDArray[np.void]] = []
-        while done < n:
-            buffer = np.zeros(max(least, (n - done) // 4), MOTION_RECORD)
-            done, count = feed(
-                self._state, self._registers, self._limits, self._globals, self._modes,
-                events.ticks, events.x, events.y, keep, done, owner, rel_x, rel_y, buffer,
+        while done < len(events):
+            left = slice(done, None)
+            processed, count = feed(
+                self._state, self._registers, self._limits, self._globals, self._modes, self._places,
+                events.ticks[left], events.x[left], events.y[left], keep[left], owner[left], rel_x[left], rel_y[left],
+                self._buffer,
             )  # fmt: skip
-            parts.append(buffer[:count])
+            done += processed
+            parts.append(self._buffer[:count].copy())
         return np.concatenate(parts) if parts else np.zeros(0, MOTION_RECORD)
 
     def set_mode(self, slot: int, mode: int) -> NDArray[np.void]:
         """Restart a slot in another mode; returns the record of the life that ends, (m,) MOTION_RECORD."""
         self._modes[slot] = mode
         room = np.zeros(1, MOTION_RECORD)
-        return room[: restart(self._state, self._globals, slot, room)]
+        return room[: restart(self._state, self._globals, self._modes, self._places, slot, room)]
 
     def write(self, registers: MotionRegisters) -> None:
         """Change the registers of the whole array before the next event; lives go on."""

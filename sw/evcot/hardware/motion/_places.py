@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which slots hold a pixel: sets of slots for each column and each row, so that an event need not ask every slot."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..._numba_private import inlined_step, step
+from ..contract import Mode
+from ._state import (
+    BOX_HI_X,
+    BOX_HI_Y,
+    BOX_LO_X,
+    BOX_LO_Y,
+    CANDIDATE,
+    LEFT,
+    STATE,
+    VISIBLE,
+    WIN_HI_X,
+    WIN_HI_Y,
+    WIN_LO_X,
+    WIN_LO_Y,
+    Table,
+)
+
+__all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "enter", "extent", "renew", "withdraw"]
+
+# Rows of the table: the slots whose window, or box, reaches over a column or a row; at last, those in each state.
+WIN_X, WIN_Y, BOX_X, BOX_Y, OF_STATE = range(5)
+ROWS = 5
+
+_SEEDED = int(Mode.SEEDED)
+_NONE = np.uint64(0)
+
+
+def extent(x_w: int, y_w: int) -> int:
+    """The length of the table's rows for addresses of so many bits."""
+    return max(1 << x_w, 1 << y_w, LEFT + 1)
+
+
+@inlined_step
+def alone(i: int) -> Any:
+    """The set of slot i alone."""
+    return np.uint64(1) << np.uint64(i)
+
+
+@step
+def _reach(sets: Table, lowest: int, highest: int, with_slot: Any, but_slot: Any) -> None:
+    """Put a slot into the sets from the lowest to the highest column or row, or take it out of them."""
+    for k in range(max(lowest, 0), min(highest + 1, len(sets))):
+        sets[k] = (sets[k] | with_slot) & ~but_slot
+
+
+@step
+def _reaches(s: Table, places: Table, i: int, with_slot: Any, but_slot: Any) -> None:
+    _reach(places[WIN_X], s[i, WIN_LO_X], s[i, WIN_HI_X], with_slot, but_slot)
+    _reach(places[WIN_Y], s[i, WIN_LO_Y], s[i, WIN_HI_Y], with_slot, but_slot)
+    _reach(places[BOX_X], s[i, BOX_LO_X], s[i, BOX_HI_X], with_slot, but_slot)
+    _reach(places[BOX_Y], s[i, BOX_LO_Y], s[i, BOX_HI_Y], with_slot, but_slot)
+
+
+@step
+def enter(s: Table, places: Table, i: int) -> None:
+    """Slot i holds the pixels of its box and window from now on."""
+    _reaches(s, places, i, alone(i), _NONE)
+
+
+@step
+def withdraw(s: Table, places: Table, i: int) -> None:
+    """Slot i no longer holds the pixels of its box and window; before these change."""
+    _reaches(s, places, i, _NONE, alone(i))
+
+
+@step
+def renew(s: Table, places: Table, modes: Table) -> None:
+    """Fill in the table anew. Of those that could begin a candidate, only slots that do so by their mode."""
+    places[:] = _NONE
+    for i in range(s.shape[0]):
+        holds = s[i, STATE] in (CANDIDATE, VISIBLE)
+        if holds or modes[i] == _SEEDED:
+            places[OF_STATE, s[i, STATE]] |= alone(i)
+        if holds:
+            enter(s, places, i)
