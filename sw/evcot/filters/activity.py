@@ -3,17 +3,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import inlined_step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .cells import CellMemory, cell_of, supporting_cells
 from .contract import FilterShape
 from .registers import FilterRegisters
 
-__all__ = ["ActivityFilter"]
+__all__ = ["ActivityFilter", "supporters"]
 
 
 class ActivityFilter(EventFilter):
@@ -28,7 +31,7 @@ class ActivityFilter(EventFilter):
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._ticks = registers.activity_ticks
-        self._support = np.array([registers.activity_support])
+        self._support = registers.activity_support
         self._cells: CellMemory | None = None
         if shape.cell_px:
             self._cells = CellMemory(shape)
@@ -39,68 +42,60 @@ class ActivityFilter(EventFilter):
             self._last = per_pixel(shape, NEVER, border=1)
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
-        self.narrow_by(np.array([len(events)]), self._support, events, keep)
-
-    def narrow_by(
-        self, ends: NDArray[np.int64], supports: NDArray[np.int64], events: TickedEvents, keep: NDArray[np.bool_]
-    ) -> None:
-        """As `narrow`, with as many neighbours as are given: the first so many up to the first end, and so on.
-
-        Args:
-            ends: (k,) where each number of neighbours ends to hold, ascending; the last is the number of events.
-            supports: (k,) neighbours that an event needs.
-        """
         if self._cells is not None:
             cells = self._cells
             memory = cells.last, cells.place, cells.bits
-            rule = self._shift, self._units, ends, supports
+            rule = self._shift, self._units, self._support
             _narrow_cells(*memory, *self._size, *rule, events.ticks, events.x, events.y, keep)
             return
-        _narrow(self._last, self._ticks, ends, supports, events.ticks, events.x, events.y, keep)
+        _narrow(self._last, self._ticks, self._support, events.ticks, events.x, events.y, keep)
+
+
+@inlined_step
+def supporters(last: Any, oldest: int, tick: int, x: int, y: int) -> int:
+    """Note an event on the sensor; returns how many of its neighbours had one not before the tick `oldest`.
+
+    Args:
+        last: (height + 2, width + 2) int64, the tick of each pixel's last event, with a border of pixels without one.
+    """
+    # Unsigned indices avoid the check for negative ones.
+    one, two = np.uint64(1), np.uint64(2)
+    left, top = np.uint64(x), np.uint64(y)
+    middle, right = left + one, left + two
+    centre, bottom = top + one, top + two
+    count = (
+        (last[top, left] >= oldest)
+        + (last[top, middle] >= oldest)
+        + (last[top, right] >= oldest)
+        + (last[centre, left] >= oldest)
+        + (last[centre, right] >= oldest)
+        + (last[bottom, left] >= oldest)
+        + (last[bottom, middle] >= oldest)
+        + (last[bottom, right] >= oldest)
+    )
+    last[centre, middle] = tick
+    return int(count)
 
 
 @njit(cache=True, nogil=True)
-def _narrow(last, window, ends, supports, ticks, x, y, keep):  # type: ignore[no-untyped-def]
-    # Unsigned indices avoid the check for negative ones.
-    one, two = np.uint64(1), np.uint64(2)
+def _narrow(last, window, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
     height, width = last.shape[0] - 2, last.shape[1] - 2
-    k = 0
     for i in range(len(keep)):
-        while i >= ends[k]:
-            k += 1
         if not keep[i]:
             continue
         keep[i] = False
         if x[i] < width and y[i] < height:
-            oldest = ticks[i] - window
-            left, top = np.uint64(x[i]), np.uint64(y[i])
-            middle, right = left + one, left + two
-            centre, bottom = top + one, top + two
-            count = (
-                (last[top, left] >= oldest)
-                + (last[top, middle] >= oldest)
-                + (last[top, right] >= oldest)
-                + (last[centre, left] >= oldest)
-                + (last[centre, right] >= oldest)
-                + (last[bottom, left] >= oldest)
-                + (last[bottom, middle] >= oldest)
-                + (last[bottom, right] >= oldest)
-            )
-            keep[i] = count >= supports[k]
-            last[centre, middle] = ticks[i]
+            keep[i] = supporters(last, ticks[i] - window, ticks[i], x[i], y[i]) >= support
 
 
 @njit(cache=True, nogil=True)
-def _narrow_cells(last, place, bits, width, height, shift, window, ends, supports, ticks, x, y, keep):  # type: ignore[no-untyped-def]
-    k = 0
+def _narrow_cells(last, place, bits, width, height, shift, window, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
     for i in range(len(keep)):
-        while i >= ends[k]:
-            k += 1
         if not keep[i]:
             continue
         keep[i] = False
         if x[i] < width and y[i] < height:
             row, column, here = cell_of(np.int64(x[i]), np.int64(y[i]), bits)
             unit = ticks[i] >> shift
-            keep[i] = supporting_cells(last, place, row, column, here, unit - window) >= supports[k]
+            keep[i] = supporting_cells(last, place, row, column, here, unit - window) >= support
             last[row, column], place[row, column] = unit, here

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -55,10 +54,7 @@ class FilterChain(EventFilter):
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         registers.check(shape)
-        self._use({which: FILTERS[which](registers, shape) for which in Filter if registers.enables(which)})
-
-    def _use(self, filters: Mapping[Filter, EventFilter]) -> None:
-        self._filters = {which: filters[which] for which in Filter if which in filters}
+        self._filters = {which: FILTERS[which](registers, shape) for which in Filter if registers.enables(which)}
         self.totals = dict.fromkeys(self._filters, Total(0, 0))
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:

@@ -89,15 +89,19 @@ class FilterConfig:
             raise ConfigError(f"filters.cell_px = {self.cell_px}: must be 0, 1, 2 or 4")
         if self.activity_noise_hz and not self.activity_us:
             raise ConfigError(f"filters.activity_noise_hz = {self.activity_noise_hz:g}: must be 0 without activity_us")
+        if self.activity_noise_hz and self.cell_px:
+            raise ConfigError(
+                f"filters.activity_noise_hz = {self.activity_noise_hz:g}: must be 0 with cell_px = {self.cell_px}"
+            )
         if self.recent_support > self.recent_depth:
             raise ConfigError(
                 f"filters.recent_support = {self.recent_support}: must be at most recent_depth = {self.recent_depth}"
             )
 
     def changed(self, given: Mapping[str, Any]) -> FilterConfig:
-        """These filters with other values for some fields: an activity filter that is off, or has its neighbours from there,
-        follows no noise unless they say so."""
-        holds = given.get("activity_us") == 0 or "activity_support" in given
+        """These filters with other values for some fields: an activity filter that is off, has its neighbours from there, or
+        has memories of cells, follows no noise unless they say so."""
+        holds = given.get("activity_us") == 0 or "activity_support" in given or given.get("cell_px")
         return replace(self, **({"activity_noise_hz": 0.0} if holds else {}) | dict(given))
 
     @property

@@ -21,7 +21,7 @@ __all__ = ["Filtered", "apply", "filtered"]
 class Filtered(Iterator[Events]):
     """Iterator over the events that pass, block by block; `totals` are updated with each block."""
 
-    def __init__(self, blocks: Iterable[Events], chain: FilterChain, tick_us: int) -> None:
+    def __init__(self, blocks: Iterable[Events], chain: FilterChain | FollowingChain, tick_us: int) -> None:
         self._blocks = iter(blocks)
         self._chain = chain
         self._clock = TickCounter(tick_us)
@@ -54,7 +54,7 @@ def filtered(blocks: Iterable[Events], config: FilterConfig, sensor: tuple[int, 
     return Filtered(blocks, _chain_of(config, sensor, tick_us), tick_us)
 
 
-def _chain_of(config: FilterConfig, sensor: tuple[int, int], tick_us: int = 1) -> FilterChain:
+def _chain_of(config: FilterConfig, sensor: tuple[int, int], tick_us: int = 1) -> FilterChain | FollowingChain:
     """The chain of these filters, in software; raises as `filtered` does."""
     registers, shape = config.registers(tick_us), config.shape(*sensor)
     if config.activity_noise_hz:

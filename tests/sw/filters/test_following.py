@@ -98,6 +98,45 @@ def test_with_a_noise_that_holds_it_is_the_chain_with_that_support() -> None:
     assert wanted[late].any()
 
 
+def test_the_other_filters_stand_before_and_behind_it() -> None:
+    every = replace(
+        FOLLOW,
+        region=(3, 0, 100, 90),
+        polarity="on",
+        hot_pixels=((7, 8),),
+        activity_noise_hz=0.2,
+        recent_us=40_000,
+        decay_tau_us=20_000.0,
+        rowcol_us=40_000,
+    )
+    follows, events = chain(every), noise(1.3, 2_000_000)
+    events = TickedEvents(events.ticks, events.x, events.y, (np.arange(len(events)) % 3 > 0).astype(np.uint8))
+    keep = follows.feed(events)
+    late = events.ticks >= 500_000
+    support = follows.support
+    assert support is not None
+    held = replace(every, activity_noise_hz=0.0, activity_support=support)
+    fixed = FilterChain(held.registers(1), held.shape(*SENSOR))
+    wanted = fixed.feed(events)
+    assert np.array_equal(keep[late], wanted[late])
+    assert wanted[late].any()
+    assert list(follows.totals) == list(Filter)
+    for which in (Filter.REGION, Filter.POLARITY, Filter.MASK, Filter.REFRACTORY):
+        assert follows.totals[which] == fixed.totals[which]
+        assert follows.totals[which].dropped > 0
+    seen = [total.seen for total in follows.totals.values()]
+    dropped = [total.dropped for total in follows.totals.values()]
+    assert seen == [len(events), *(total - less for total, less in zip(seen, dropped, strict=True))][: len(seen)]
+
+
+def test_without_a_refractory_filter_there_is_none() -> None:
+    config = replace(FOLLOW, refractory_us=0)
+    follows, events = chain(config), repeated(5, 5, 1, 100)
+    follows.feed(joined(events, noise(0.02, 100)))
+    assert list(follows.totals) == [Filter.MASK, Filter.ACTIVITY]
+    assert follows.totals[Filter.ACTIVITY].seen >= len(events)
+
+
 def test_a_pixel_that_never_rests_is_masked_after_ten_epochs_and_passes_again_once_it_rests() -> None:
     hot, around = (40, 30), noise(0.005, 4_000_000)
     events = joined(around, repeated(*hot, 5_000, 2_000_000), replace_times(repeated(*hot, 1_000_000, 1_000_000), 3_500_000))
