@@ -72,9 +72,21 @@ def test_a_silence_is_windows_without_noise() -> None:
     follows = chain()
     follows.feed(noise(3.0, 1_000_000))
     before = follows.noise_hz
-    follows.feed(replace_times(repeated(5, 5, 1, 1), 3_000_000))  # one event, two seconds later
+    follows.feed(joined(*(replace_times(repeated(5, 5, 1, 1), t_us) for t_us in (3_000_000, 3_000_001, 3_000_002))))
     assert before is not None
     assert follows.noise_hz == pytest.approx(before * 0.95**100, rel=0.3)
+
+
+def test_a_neighbour_counts_up_to_the_time_of_the_filter_and_no_longer() -> None:
+    pair = joined(repeated(5, 5, 1, 1), replace_times(repeated(6, 5, 1, 1), FOLLOW.activity_us))
+    late = joined(repeated(5, 5, 1, 1), replace_times(repeated(6, 5, 1, 1), FOLLOW.activity_us + 1))
+    for events, passes in ((pair, True), (late, False)):
+        follows = chain(replace(FOLLOW, activity_noise_hz=0.12))
+        begins = noise(0.5, 1_000_000)
+        follows.feed(begins)
+        assert follows.support == 1
+        keep = follows.feed(replace_times(events, 1_100_000))
+        assert keep.tolist() == [False, passes]
 
 
 def test_nothing_passes_before_the_noise_is_known() -> None:
@@ -132,9 +144,9 @@ def test_the_other_filters_stand_before_and_behind_it() -> None:
 def test_without_a_refractory_filter_there_is_none() -> None:
     config = replace(FOLLOW, refractory_us=0)
     follows, events = chain(config), repeated(5, 5, 1, 100)
-    follows.feed(joined(events, noise(0.02, 100)))
+    follows.feed(joined(events, events, noise(0.02, 100)))
     assert list(follows.totals) == [Filter.MASK, Filter.ACTIVITY]
-    assert follows.totals[Filter.ACTIVITY].seen >= len(events)
+    assert follows.totals[Filter.ACTIVITY].seen >= 2 * len(events), "two in one tick among them"
 
 
 def test_a_pixel_that_never_rests_is_masked_after_ten_epochs_and_passes_again_once_it_rests() -> None:
@@ -186,7 +198,8 @@ def test_in_other_ticks_windows_last_as_long() -> None:
     events = noise(1.0, 1_000_000)
     coarse = TickedEvents(events.ticks // 1_000, events.x, events.y, events.p)
     of_ms = FollowingChain(config.registers(1_000), config.shape(*SENSOR), config.activity_noise_hz, 1_000)
-    of_ms.feed(coarse)
+    for begin in range(0, len(coarse), 1_000):
+        of_ms.feed(coarse[begin : begin + 1_000])
     of_us = chain()
     of_us.feed(events)
     assert of_ms.noise_hz == pytest.approx(of_us.noise_hz)
