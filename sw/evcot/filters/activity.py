@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import inlined_step
+from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .cells import CellMemory, cell_of, supporting_cells
@@ -51,7 +51,7 @@ class ActivityFilter(EventFilter):
         _narrow(self._last, self._ticks, self._support, events.ticks, events.x, events.y, keep)
 
 
-@inlined_step
+@step
 def supporters(last: Any, oldest: int, tick: int, x: int, y: int) -> int:
     """Note an event on the sensor; returns how many of its neighbours had one not before the tick `oldest`.
 

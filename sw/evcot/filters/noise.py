@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .._numba_private import inlined_step, step
+from .._numba_private import step
 from ..bits import count
 
 __all__ = ["MANY_EMPTY", "WINDOW_US", "NoiseRate", "close", "median_pixels", "note", "rate_of", "support_against"]
@@ -48,7 +48,7 @@ class NoiseRate:
         return float(self.state[_HZ]) if self.state[_WINDOWS] else None
 
 
-@inlined_step
+@step
 def note(pixels: Any, x: int, y: int) -> None:
     """A pixel has sent an event."""
     bit = ((y & 7) << 3) | (x & 7)

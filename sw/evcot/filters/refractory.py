@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import inlined_step
+from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .cells import CellMemory, cell_of
@@ -46,7 +46,7 @@ class RefractoryFilter(EventFilter):
         _narrow(self._stayed, self._ticks, events.ticks, events.x, events.y, keep)
 
 
-@inlined_step
+@step
 def may_send(stayed: Any, silence: int, tick: int, x: int, y: int) -> bool:
     """Whether no event of a pixel has passed for so many ticks; if so this one does, and is noted.
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._numba_private import inlined_step
+from .._numba_private import step
 
 __all__ = ["EPOCH_BITS", "epoch_of", "restless", "rests"]
 
@@ -22,7 +22,7 @@ _MOST = (1 << _COUNT_BITS) - 1
 _EPOCHS = (1 << (31 - _COUNT_BITS)) - 1  # mask of an epoch's number: six days, then it begins again
 
 
-@inlined_step
+@step
 def epoch_of(t_us: int, first_us: int) -> int:
     """The number of the epoch that holds a time; `first_us` is that of the first event."""
     return (_FIRST + ((t_us - first_us) >> EPOCH_BITS)) & _EPOCHS
@@ -36,7 +36,7 @@ def restless(noted: NDArray[np.int32], t_us: int, first_us: int) -> NDArray[np.b
     return mask
 
 
-@inlined_step
+@step
 def rests(noted: Table, x: int, y: int, epoch: int) -> bool:
     """Note an event of a pixel; returns whether it was silent in one of the last ten epochs, or in two in a row before.
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..._numba_private import inlined_step, step
+from ..._numba_private import step
 from ._state import (
     BIN_LOG2_X,
     BIN_LOG2_Y,
@@ -43,7 +43,7 @@ def clear_bins(s: Table, i: int) -> None:
     s[i, BIN_LOG2_Y] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 3)
 
 
-@inlined_step
+@step
 def count_in_bins(s: Table, i: int, x: int, y: int) -> None:
     """Count an event in both histograms, in the box's own frame."""
     bin_x = (x - ((s[i, LO_X] + (ONE >> 1)) >> SUB)) >> s[i, BIN_LOG2_X]

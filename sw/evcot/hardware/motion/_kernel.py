@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from ..._numba_private import inlined_step, step
+from ..._numba_private import step
 from ...tracks.log import DROPPED
 from ._gaps import count_in_bins
 from ._lives import LOST, MOVED, appears, correct, name, record, seed
@@ -169,7 +169,7 @@ def _lives(s: Table) -> bool:
     return False
 
 
-@inlined_step
+@step
 def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
     """What an event does to its owner; true when the window of N_ev events is complete."""
     s[i, SUPPORT] = min(s[i, SUPPORT] + 1, lim[SUPPORT_MAX])

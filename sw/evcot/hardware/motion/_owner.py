@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._numba_private import inlined_step
+from ..._numba_private import step
 from ...bits import lowest, without_lowest
 from ._places import BOX_X, BOX_Y, OF_STATE, WIN_X, WIN_Y
 from ._state import CANDIDATE, FREE, LEFT, VISIBLE, Table
@@ -15,13 +15,13 @@ from ._state import CANDIDATE, FREE, LEFT, VISIBLE, Table
 __all__ = ["find"]
 
 
-@inlined_step
+@step
 def _first(slots: Any) -> Any:
     """The lowest slot of a set, as a signed number."""
     return np.int64(lowest(slots))
 
 
-@inlined_step
+@step
 def find(places: Table, x: int, y: int) -> tuple[int, bool, bool]:
     """The owner or -1; whether the event could be another visible slot's as well; whether it seeds a candidate there.
 

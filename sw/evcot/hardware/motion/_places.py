@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._numba_private import inlined_step, step
+from ..._numba_private import step
 from ..contract import Mode
 from ._state import (
     BOX_HI_X,
@@ -40,7 +40,7 @@ def extent(x_w: int, y_w: int) -> int:
     return max(1 << x_w, 1 << y_w, LEFT + 1)
 
 
-@inlined_step
+@step
 def alone(i: int) -> Any:
     """The set of slot i alone."""
     return np.uint64(1) << np.uint64(i)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..._numba_private import inlined_step, step
+from ..._numba_private import step
 from ._state import (
     AT_HI_X,
     AT_HI_Y,
@@ -32,7 +32,7 @@ from .contract import SUB
 __all__ = ["measure", "shrink"]
 
 
-@inlined_step
+@step
 def _axis(
     s: Table, i: int, lo: int, hi: int, off_lo: int, off_hi: int, at_lo: int, at_hi: int, place: int, out: int, back: int
 ) -> None:
@@ -62,7 +62,7 @@ def _axis(
     s[i, off_hi] += move_hi
 
 
-@inlined_step
+@step
 def measure(s: Table, r: Table, i: int, x: int, y: int) -> None:
     """Move the sides of slot i by one event; those of a candidate move twice as fast."""
     back = r[SIDE_STEP] >> r[SIDE_SHARE]
