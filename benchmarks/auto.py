@@ -16,7 +16,7 @@ from evcot.trackers.kalman.presets import PRESETS
 from evcot.trackers.kalman.tracker import KalmanTracker
 from evcot.trackers.presets import FOLLOWING
 from evcot.tracks.tracking import Tracker
-from measure import Clock, Goal, Result, Timing, take_turns, timed
+from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 from shared import SHARED
 
 __all__ = ["measure"]
@@ -43,15 +43,18 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
         rate = len(events) / seconds["following"] / 1e6
         yield Result(f"following_{discs}", rate, "M events/s", goal, "goal", goal=Goal(1))
         yield Result(f"following_auto_{discs}", seconds["auto"] / seconds["following"], "times", 1.0, "auto")
-    for name, file in _RECORDINGS.items():
-        if (SHARED / file).is_file():
-            recording = read_recording(SHARED / file)
-            seconds = _seconds(_without_settings(recording.width, recording.height), recording.events, quick)
-            default, auto = (1e9 * seconds[one] / len(recording.events) for one in ("following", "auto"))
-            yield Result(f"following_{name}", default, "ns/event", auto, "auto")
+    there = {name: SHARED / file for name, file in _RECORDINGS.items() if (SHARED / file).is_file()}
+    for name, path in there.items():
+        recording = read_recording(path)
+        seconds = _seconds(_without_settings(recording.width, recording.height), recording.events, quick)
+        default, auto = (1e9 * seconds[one] / len(recording.events) for one in ("following", "auto"))
+        yield Result(f"following_{name}", default, "ns/event", auto, "auto")
+    if missing := [file for name, file in _RECORDINGS.items() if name not in there]:
+        raise Skip(f"no {', '.join(missing)} in {SHARED}: recordings are not part of the project")
 
 
 def _without_settings(width: int, height: int) -> Trackers:
+    """Both, for a sensor of that size."""
     return {
         "auto": lambda: AutoTracker(AutoConfig(), width, height),
         "following": lambda: ENGINES["cot"].start(FOLLOWING, FOLLOWING.filters, (width, height)),

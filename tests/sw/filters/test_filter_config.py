@@ -100,6 +100,13 @@ class TestConfig:
     def test_a_pixel_counts_once(self) -> None:
         assert FilterConfig(hot_pixels=((1, 2), (3, 4), (1, 2))).hot_pixels == ((1, 2), (3, 4))
 
+    def test_what_holds_the_neighbours_or_changes_their_meaning_stops_following_the_noise(self) -> None:
+        follows = FilterConfig(activity_us=9, activity_noise_hz=0.5)
+        for changes in ({"activity_us": 0}, {"activity_support": 2}, {"cell_px": 2}):
+            assert follows.changed(changes) == replace(follows, activity_noise_hz=0.0, **changes)
+        for changes in ({"activity_us": 8}, {"refractory_us": 7}, {"cell_px": 0}):
+            assert follows.changed(changes) == replace(follows, **changes)
+
     def test_plain_values_survive_json(self) -> None:
         stored = json.loads(json.dumps(RunConfig(filters=EVERYTHING).to_dict()))
         assert FilterConfig(**stored["filters"]) == EVERYTHING

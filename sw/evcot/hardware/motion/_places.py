@@ -27,7 +27,7 @@ from ._state import (
 
 __all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "enter", "extent", "renew", "withdraw"]
 
-# Rows of the table: the slots whose window, or box, reaches over a column or a row; at last, those in each state.
+# Rows of the table: the slots whose window, or whose box, covers each column or row; in the last one those in each state.
 WIN_X, WIN_Y, BOX_X, BOX_Y, OF_STATE = range(5)
 ROWS = 5
 
