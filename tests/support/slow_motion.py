@@ -94,7 +94,7 @@ class Axis:
             self.ways.append(way)
 
     def clear_bins(self) -> None:
-        self.bins, self.bin_px = [0] * 16, 2 ** max(0, self.px.bit_length() - 3)
+        self.bins, self.bin_px = [0] * 16, 2 ** max(0, self.px.bit_length() - 4)
 
     def cut(self, share: int, least_px: int) -> None:
         limit = max(1, sum(self.bins) >> share)

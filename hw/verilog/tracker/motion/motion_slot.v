@@ -160,13 +160,13 @@ module motion_slot #(
         .p_n_ev       (p_n_ev)
     );
 
-    // Bins of 2^n pixels, four to eight for the whole side.
+    // Bins of 2^n pixels, eight to sixteen for the whole side.
     function [4:0] bin_log2;
         input [PX_W-1:0] length;
         integer k;
         begin
             bin_log2 = 5'd0;
-            for (k = 4; k <= PX_W; k = k + 1) if (length[k-1]) bin_log2 = k[4:0] - 5'd3;
+            for (k = 5; k <= PX_W; k = k + 1) if (length[k-1]) bin_log2 = k[4:0] - 5'd4;
         end
     endfunction
 

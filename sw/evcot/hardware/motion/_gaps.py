@@ -35,12 +35,12 @@ __all__ = ["clear_bins", "count_in_bins", "look_for_gaps"]
 
 @step
 def clear_bins(s: Table, i: int) -> None:
-    """Begin new histograms: bins of 2^n pixels from the box's low side, four to eight for the whole side."""
+    """Begin new histograms: bins of 2^n pixels from the box's low side, eight to sixteen for the whole side."""
     for b in range(2 * BINS):
         s[i, BINS_X + b] = 0
     s[i, LOOKED] = 0
-    s[i, BIN_LOG2_X] = max(0, bit_length(length(s, LO_X, HI_X, i)) - 3)
-    s[i, BIN_LOG2_Y] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 3)
+    s[i, BIN_LOG2_X] = max(0, bit_length(length(s, LO_X, HI_X, i)) - 4)
+    s[i, BIN_LOG2_Y] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 4)
 
 
 @step

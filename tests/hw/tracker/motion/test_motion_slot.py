@@ -44,7 +44,7 @@ class State:
 
 
 def bins_log2(length: int) -> int:
-    return max(0, length.bit_length() - 3)
+    return max(0, length.bit_length() - 4)
 
 
 def command(name: str, slot: State, memory: State, io: Any, at: int) -> State:
