@@ -15,6 +15,7 @@ from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel
 from evcot.hardware.motion import _state
+from evcot.hardware.motion._gaps import clear_bins
 from evcot.hardware.motion._velocity import gain_log2, over
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.ticks import TickedEvents
@@ -63,8 +64,8 @@ def _gain_at(s: NDArray[np.int64], r: NDArray[np.int64], run: int) -> int:
 
 
 def _gain_of(run: int, *, meets: int = 0, gain_fast: int = 0) -> int:
-    s = np.zeros((_state.FIELD_COUNT, 1), np.int64)
-    s[_state.MEETS] = meets
+    s = np.zeros((1, _state.FIELD_COUNT), np.int64)
+    s[0, _state.MEETS] = meets
     registers = replace(ON, gain_log2=5, gain_fast=gain_fast)
     return int(_gain_at(s, np.array(list(vars(registers).values()), np.int64), run))
 
@@ -194,6 +195,20 @@ def test_two_edges_of_one_object_become_one_track() -> None:
     assert np.median(late["height"]) / PX == pytest.approx(23.0, abs=3.0)
     apart = records(events(bar(1, 40.0), bar(2, 62.0)), replace(ON, birth_px=0, join_steps=1023, ring_along=8, ring_any=8))
     assert len(set(apart[apart["time"] > 900_000]["track_id"].tolist())) == 2
+
+
+@njit(nogil=True)
+def _cleared(s: NDArray[np.int64]) -> None:
+    clear_bins(s, 0)
+
+
+@pytest.mark.parametrize("px", [8, 15, 16, 31, 32, 96, 127, 128, 511])
+def test_a_box_of_any_size_has_eight_to_sixteen_bins(px: int) -> None:
+    s = np.zeros((1, _state.FIELD_COUNT), np.int64)
+    s[0, _state.HI_X], s[0, _state.HI_Y] = px * PX, 5 * PX
+    _cleared(s)
+    assert 8 <= px / (1 << int(s[0, _state.BIN_LOG2_X])) <= 16
+    assert s[0, _state.BIN_LOG2_Y] == 0, "no bin is less than a pixel"
 
 
 def test_two_abreast_are_cut_apart() -> None:
