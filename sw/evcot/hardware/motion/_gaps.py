@@ -8,6 +8,7 @@ from ._state import (
     BIN_LOG2_X,
     BIN_LOG2_Y,
     BINS,
+    BINS_LOG2,
     BINS_X,
     BINS_Y,
     CORRECTIONS,
@@ -35,12 +36,12 @@ __all__ = ["clear_bins", "count_in_bins", "look_for_gaps"]
 
 @step
 def clear_bins(s: Table, i: int) -> None:
-    """Begin new histograms: bins of 2^n pixels from the box's low side, eight to sixteen for the whole side."""
+    """Begin new histograms: bins of 2^n pixels from the box's low side, half of them or more for the whole side."""
     for b in range(2 * BINS):
         s[i, BINS_X + b] = 0
     s[i, LOOKED] = 0
-    s[i, BIN_LOG2_X] = max(0, bit_length(length(s, LO_X, HI_X, i)) - 4)
-    s[i, BIN_LOG2_Y] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 4)
+    s[i, BIN_LOG2_X] = max(0, bit_length(length(s, LO_X, HI_X, i)) - BINS_LOG2)
+    s[i, BIN_LOG2_Y] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - BINS_LOG2)
 
 
 @step
