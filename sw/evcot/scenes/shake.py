@@ -28,7 +28,7 @@ _SPREAD = 0.5  # of frequencies around the mean
 
 @dataclass(frozen=True)
 class Shake(StageSettings):
-    """Boxes in straight motion that re-enter on the other side, seen by a shaking camera.
+    """Boxes in straight motion, each in its lane, seen by a shaking camera; one that has left is followed by another.
 
     Raises:
         ConfigError: a value outside its range, or boxes higher than their lanes.
@@ -62,7 +62,7 @@ class Shake(StageSettings):
 
 
 def simulate(settings: Shake) -> Scene:
-    """See `stage.film`; object_id is the number of the lane from the top."""
+    """See `stage.film`; object_id is the lane from the top, and `count` more for each box that was in it before."""
     return film(_Stage(settings), settings)
 
 
@@ -84,23 +84,24 @@ class _Stage:
         x, y = self._size_px * np.sin(self._turn * (t_us * 1e-6) + self._phase).sum(axis=1)
         return float(x), float(y)
 
-    def _centres(self, t_us: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        around = self._settings.width + self._settings.side_px
+    def _boxes(self, t_us: float) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+        """Numbers and centres: a box has left once it has gone by its own side and the sensor's width."""
+        settings = self._settings
         right, down = self.shift(t_us)
-        x = (self._start + self._speed * (t_us * 1e-6)) % around - self._settings.side_px / 2 - 0.5
-        return x + right, self._y + down
+        left, x = np.divmod(self._start + self._speed * (t_us * 1e-6), settings.width + settings.side_px)
+        numbers = np.arange(settings.count) + settings.count * abs(left).astype(np.int64)
+        return numbers, x - settings.side_px / 2 - 0.5 + right, self._y + down
 
     def shapes(self, t_us: float) -> NDArray[np.float64]:
-        x, y = self._centres(t_us)
+        numbers, x, y = self._boxes(t_us)
         half = self._settings.side_px / 2
         corners_x, corners_y = np.array([-half, half, half, -half]), np.array([-half, -half, half, half])
-        return quadrangles(np.arange(len(x)), x[:, None] + corners_x, y[:, None] + corners_y, self._intensity)
+        return quadrangles(numbers, x[:, None] + corners_x, y[:, None] + corners_y, self._intensity)
 
     def objects(self, t_us: float) -> NDArray[np.void]:
         vx, vy = self._size_px * (self._turn * np.cos(self._turn * (t_us * 1e-6) + self._phase)).sum(axis=1)
         objects = np.zeros(self._settings.count, TRUTH)
-        objects["object_id"] = np.arange(self._settings.count)
-        objects["x"], objects["y"] = self._centres(t_us)
+        objects["object_id"], objects["x"], objects["y"] = self._boxes(t_us)
         objects["vx"], objects["vy"] = self._speed + vx, vy
         objects["width"] = objects["height"] = self._settings.side_px
-        return objects
+        return np.sort(objects, order="object_id")

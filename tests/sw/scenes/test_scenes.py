@@ -238,11 +238,29 @@ def test_a_shaken_picture_moves_as_one() -> None:
     for t_us in (0, 123_456, 1_000_000):
         right, down = stage.shift(t_us)
         objects = stage.objects(t_us)
-        lanes = (np.arange(4) + 0.5) * 65 - 0.5
-        np.testing.assert_allclose(objects["y"] - down, lanes)
+        np.testing.assert_allclose(objects["y"] - down, (objects["object_id"] % 4 + 0.5) * 65 - 0.5)
+        assert sorted(objects["object_id"] % 4) == [0, 1, 2, 3]
         assert abs(right) <= 5.0
     shifts = np.array([stage.shift(t) for t in range(0, 2_000_000, 1_000)])
     assert 2.0 < abs(shifts).max() <= 5.0
+
+
+def test_a_box_that_enters_is_not_the_one_that_has_left() -> None:
+    """No box jumps: it goes as far as its speed says, and the next in its lane, another, is that far from the edge at most."""
+    stage = stage_of("shake", speed_px_s=300.0, shake_px=0.0)
+    numbers = set()
+    for t_us in range(0, 4_000_000, 10_000):
+        before, after = stage.objects(t_us), stage.objects(t_us + 10_000)
+        assert (np.diff(after["object_id"]) > 0).all()
+        assert set(stage.shapes(t_us)[:, OBJECT]) == set(before["object_id"])
+        _, was, now = np.intersect1d(before["object_id"], after["object_id"], return_indices=True)
+        np.testing.assert_allclose(after["x"][now] - before["x"][was], before["vx"][was] * 0.01)
+        for new in after[np.isin(after["object_id"], before["object_id"], invert=True)]:
+            edge = -12.5 if new["vx"] > 0 else 357.5
+            assert 0 <= (new["x"] - edge) / new["vx"] <= 0.01
+            assert new["object_id"] - 4 in before["object_id"]
+        numbers |= set(after["object_id"].tolist())
+    assert len(numbers) > 12
 
 
 @pytest.mark.parametrize(
