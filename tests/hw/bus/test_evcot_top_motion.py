@@ -12,7 +12,7 @@ import pytest
 from evcot.errors import ConfigError
 from evcot.filters.contract import Filter
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import REGISTERS, Mode
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RULES, MotionRegisters
@@ -22,7 +22,6 @@ from evcot.hardware.streams import pack_events
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.top_device import (
-    Command,
     Pace,
     TopDevice,
     address_of,
@@ -35,6 +34,7 @@ from evcot_cosim.devices.top_device import (
     write,
 )
 from evcot_cosim.lockstep.random_runs import random_motion, random_outlines
+from evcot_cosim.lockstep.rewriting import rewritten
 from support.moving import QUICK, scene
 from support.top import BUILDS, device_of
 
@@ -98,62 +98,21 @@ def test_scenes_random_registers_and_stalls_are_exact(seed: int) -> None:
         assert np.any(golden.records["v_x"] < 0)  # signs reach the stream
 
 
-def drawn(rng: np.random.Generator, now: MotionRegisters, bank: str) -> MotionRegisters:
-    """Other registers of one bank: a few of them, which do not contradict each other."""
-    other = random_motion(rng, SHAPE).motion
-    names = {str(name) for name in rng.choice(list(MOTION_BANKS[bank]), 6, replace=False)}
-    for rule in MOTION_RULES:  # those of a rule together
-        names |= {rule.less, rule.more} if rule.less in names or rule.more in names else set()
-    return replace(now, **{name: getattr(other, name) for name in names})
-
-
 def test_registers_change_between_two_events_and_lives_go_on() -> None:
     """The hardware says at which event each commit took effect; the model, changed at that event, gives the same bits."""
     print("seed 41")
-    lost = births = 0
+    ended = births = 0
     for run in range(4):
         rng = np.random.default_rng([41, run])
         config = replace(CONFIG, motion=replace(QUICK, birth_support=8, birth_ticks=20))
         device = device_of("motion", config, pace=Pace.random(rng) if run else None)
-        device.configure()
-        traffic = scene(10 + run)
-        n, motion = len(traffic), config.motion
-        changes: list[tuple[str, MotionRegisters | SlotConfig, int]] = []
-        lists: list[list[Command]] = []
-        for after in np.sort(rng.integers(0, n - 300, 24)).tolist():
-            bank = str(rng.choice(["motion", "tracks", "slot"]))
-            if bank == "slot":
-                slot, mode = int(rng.integers(SHAPE.n_slots)), int(rng.choice([Mode.OFF, Mode.SEEDED], p=[0.2, 0.8]))
-                changes.append((bank, SlotConfig(mode=mode), slot))
-                address, writes = slot_address(slot), [write(slot_address(slot, "mode"), mode, after)]
-            else:
-                new = drawn(rng, motion, bank)
-                names = [name for name in MOTION_BANKS[bank] if getattr(new, name) != getattr(motion, name)]
-                changes.append((bank, motion := new, 0))
-                address = bank_address(bank)
-                writes = [write(bank_address(bank, name), getattr(new, name), after) for name in rng.permutation(names)]
-            lists.append([*writes, write(address, 1, after), SETTLED, read(address)])
-        played = device.run(words_of(traffic), [command for commands in lists for command in commands])
-        assert not played.commands["response"].any()
-        seqs = played.commands["result"][np.cumsum([len(commands) for commands in lists]) - 1].astype(int)
-        assert len(set(seqs.tolist())) > 15
-        model, events, at = CotModel(config), started(traffic), 0
-        parts = []
-        for (_, registers, slot), seq in zip(changes, seqs, strict=True):
-            parts.append(model.feed(events[at:seq]))
-            at = seq
-            if isinstance(registers, SlotConfig):
-                ended = model.write_registers(slot, registers, restart=True)
-                parts.append(Decisions(ended, *(column[:0] for column in parts[-1][1:])))
-                lost += len(ended)
-            else:
-                model.write_motion(registers)
-        parts.append(model.feed(events[at:]))
-        golden = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-        births += int(np.count_nonzero(golden.records["kind"] == Kind.BORN))
-        assert_same(played.decisions(0, n), golden)
-    print(lost, births)
-    assert lost > 2
+        done = rewritten(device, config, scene(10 + run), rng, 24)
+        assert len(set(done.at.tolist())) > 15
+        ended += done.ended
+        births += int(np.count_nonzero(done.model.records["kind"] == Kind.BORN))
+        assert_same(done.hardware, done.model)
+    print(ended, births)
+    assert ended > 2
     assert births > 20
 
 

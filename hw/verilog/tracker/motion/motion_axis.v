@@ -4,6 +4,7 @@
 //
 // An event passes four stages here: the first reads what stays, the second the sides, the third moves them, the
 // fourth finds the bin and writes the sides back. If one of the two events behind is of the same slot, they are forwarded to it.
+// Whether an event is beyond a side is known last, so both places that the side may go to are kept, and chosen from in the next clock.
 //
 // Latency:    from the slot's number: 2 clocks to rel, lo, hi and marks, 5 to the bin.
 // Throughput: an event per clock.
@@ -39,9 +40,9 @@ module motion_axis #(
     input  wire                     set_bins,   // the bins' size is
     input  wire [SLOT_W-1:0]        slot_3,
     output reg  [REL_W-1:0]         rel,        // place within the window
-    output reg signed [SIDE_W-1:0]  lo,         // as they are before the event
-    output reg signed [SIDE_W-1:0]  hi,
-    output reg  [1:0]               marks,      // hi, lo: an event was beyond it since the last correction
+    output wire signed [SIDE_W-1:0] lo,         // as they are before the event
+    output wire signed [SIDE_W-1:0] hi,
+    output wire [1:0]               marks,      // hi, lo: an event was beyond it since the last correction
 
     input  wire signed [SIDE_W-1:0] s_lo,
     input  wire signed [SIDE_W-1:0] s_hi,
@@ -67,8 +68,13 @@ module motion_axis #(
     reg [4:0]      log2_3, log2_4;
     reg [SLOT_W-1:0] slot_4;
     reg            update_4, store_4;
-    reg signed [SIDE_W-1:0] lo_4, hi_4;
-    reg [1:0]      marks_4;
+    reg signed [SIDE_W-1:0] lo_far_4, hi_far_4;    // where the last event that moved sides took them, if it was beyond,
+    reg signed [SIDE_W-1:0] lo_near_4, hi_near_4;  // and if not
+    reg            lo_goes_4, hi_goes_4;           // it was
+    reg [1:0]      marks_4, beyond_4;              // marks before it, and its own
+    reg            same, lo_goes, hi_goes;         // the slot in the third stage is its own; and it was beyond
+    reg signed [SIDE_W-1:0] lo_else, hi_else;      // the sides of another slot
+    reg [1:0]      marks_else;
     reg            hide_lo, hide_hi, hide_both;
     reg [17:0]     far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
     reg [PX_W:0]   from;
@@ -85,20 +91,17 @@ module motion_axis #(
     wire [SIDE_W:0]   lo_near  = {lo, 1'b1} + {{(SIDE_W - 18) {near_lo[17]}}, near_lo, near_lo[17]};
     wire [SIDE_W:0]   hi_far   = {hi, 1'b1} + {{(SIDE_W - 18) {far_hi[17]}}, far_hi, far_hi[17]};
     wire [SIDE_W:0]   hi_near  = {hi, 1'b1} + {{(SIDE_W - 18) {near_hi[17]}}, near_hi, near_hi[17]};
+
+    // What the event in the fourth stage has left, and what is written there; s_* are still there.
+    wire [SIDE_W-1:0] lo_new    = store_4 ? s_lo : lo_goes_4 ? lo_far_4 : lo_near_4;
+    wire [SIDE_W-1:0] hi_new    = store_4 ? s_hi : hi_goes_4 ? hi_far_4 : hi_near_4;
+    wire [1:0]        marks_new = store_4 ? s_marks : marks_4 | beyond_4;
     wire              lo_is_far = hide_lo ? above : below;
     wire              hi_is_far = hide_hi ? below : above;
-    wire [SIDE_W-1:0] lo_next   = lo_is_far ? lo_far[SIDE_W:1] : lo_near[SIDE_W:1];
-    wire [SIDE_W-1:0] hi_next   = hi_is_far ? hi_far[SIDE_W:1] : hi_near[SIDE_W:1];
-    wire [1:0]        marks_next = marks | (hide_both ? 2'b00 : {above, below});
 
-    // What the fourth stage writes; s_* are still there.
-    wire [SIDE_W-1:0] lo_new    = store_4 ? s_lo : lo_4;
-    wire [SIDE_W-1:0] hi_new    = store_4 ? s_hi : hi_4;
-    wire [1:0]        marks_new = store_4 ? s_marks : marks_4;
-
-    // What the third stage has next, but for a far side of the same slot, which is known last.
-    wire [SIDE_W-1:0] lo_else = forward ? lo_near[SIDE_W:1] : recent ? lo_new : los[slot_2];
-    wire [SIDE_W-1:0] hi_else = forward ? hi_near[SIDE_W:1] : recent ? hi_new : his[slot_2];
+    assign lo    = lo_goes ? lo_far_4 : same ? lo_near_4 : lo_else;
+    assign hi    = hi_goes ? hi_far_4 : same ? hi_near_4 : hi_else;
+    assign marks = same ? marks_4 | beyond_4 : marks_else;
 
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
@@ -118,17 +121,25 @@ module motion_axis #(
         far_hi    <= &hide ? 18'd0 : hide[1] ? ~{1'b0, out} : {1'b0, out};
         near_hi   <= &hide ? 18'd0 : hide[1] ? {1'b0, back} : ~{1'b0, back};
         if (!forward || update) begin
-            lo    <= forward && lo_is_far ? lo_far[SIDE_W:1] : lo_else;
-            hi    <= forward && hi_is_far ? hi_far[SIDE_W:1] : hi_else;
-            marks <= forward ? marks_next : recent ? marks_new : markses[slot_2];
+            lo_far_4   <= lo_far[SIDE_W:1];
+            hi_far_4   <= hi_far[SIDE_W:1];
+            lo_near_4  <= lo_near[SIDE_W:1];
+            hi_near_4  <= hi_near[SIDE_W:1];
+            lo_goes_4  <= lo_is_far;
+            hi_goes_4  <= hi_is_far;
+            marks_4    <= marks;
+            beyond_4   <= hide_both ? 2'b00 : {above, below};
+            lo_goes    <= forward && lo_is_far;
+            hi_goes    <= forward && hi_is_far;
+            same       <= forward;
+            lo_else    <= recent ? lo_new : los[slot_2];
+            hi_else    <= recent ? hi_new : his[slot_2];
+            marks_else <= recent ? marks_new : markses[slot_2];
         end
 
         slot_4   <= slot_3;
         update_4 <= update;
         store_4  <= store;
-        lo_4     <= lo_next;
-        hi_4     <= hi_next;
-        marks_4  <= marks_next;
         if (update_4 || store_4) begin
             los[slot_4]     <= lo_new;
             his[slot_4]     <= hi_new;

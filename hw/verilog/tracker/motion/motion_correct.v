@@ -117,6 +117,8 @@ module motion_correct #(
     reg       windowed, stored;  // box and window have been found; the sides have been written
     wire      goes_on = !pause[0];
     wire      op_free = !op_valid || op_ready;
+    reg       lane_next;         // `lane` in the next clock: it changes in each but while a slot is being read
+    reg       may_turn;          // and the leading bit of the time is known
     reg       turns;             // its velocity is corrected
     reg       old;               // and it may be looked at
 
@@ -134,6 +136,8 @@ module motion_correct #(
         {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset, c_settle, c_inverse, c_speed} <= 9'd0;
         {c_times, c_count, c_bins, c_window, c_note, look} <= 6'd0;
         {keep, keep_now, keep_until, keep_window, keep_start, say} <= 6'd0;
+        lane_next <= lane;
+        may_turn  <= lane && !inverse_busy;
         turns <= corrections >= 6'd2;
         old   <= corrections >= 6'd8;
         if (op_ready) op_valid <= 1'b0;
@@ -163,7 +167,7 @@ module motion_correct #(
             end
 
             SEED:
-            if (!lane) begin
+            if (lane_next) begin
                 c_seed   <= 1'b1;
                 since    <= SEEDED;
                 keep_now <= 1'b1;
@@ -220,7 +224,7 @@ module motion_correct #(
             end
             LOOKING: if (look_done) state <= gap_found ? CUT : ORDERED;
             CUT:
-            if (!lane) begin
+            if (lane_next) begin
                 c_cut_high <= low_stays;
                 c_cut_low  <= !low_stays;
                 pause      <= clocks(3'd5);
@@ -249,7 +253,7 @@ module motion_correct #(
             end
 
             SPEED:
-            if (!inverse_busy && !lane) begin
+            if (may_turn) begin
                 c_speed  <= turns;
                 c_settle <= 1'b1;
                 c_times  <= 1'b1;

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random events through hardware and golden model, with all options of motion; registers are rewritten while events flow.
+
+python benchmarks/soak.py                              # a million events
+python benchmarks/soak.py --events 20000000 --jobs 2   # as many as the goal asks for
+
+A run has a shape of 1 to 64 slots with 0, 4 or 8 fractional bits, and draws registers over their whole legal ranges, outlines
+of boxes that meet and hide each other, or bursts and noise, stalls on every channel of `evcot_top`, and a change of registers
+every 400 events or so. It has as many events as take about --seconds; the same seed, run and number of events are the same run.
+The first difference ends the program with exit code 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from itertools import count
+from typing import NamedTuple
+
+import numpy as np
+
+from evcot.hardware.contract import Shape
+from evcot_cosim.devices.base import HardwareError
+from evcot_cosim.devices.top_device import Pace, TopDevice
+from evcot_cosim.lockstep.random_runs import RATES, random_motion, random_outlines, random_traffic
+from evcot_cosim.lockstep.rewriting import Rewritten, rewritten
+
+_SHAPES = (
+    Shape(n_slots=8), Shape(n_slots=1, x_w=7, y_w=7, tc_w=12), Shape(n_slots=2, x_w=5, y_w=9, frac=0), Shape(n_slots=4, frac=8),
+    Shape(n_slots=3, x_w=8, y_w=8), Shape(n_slots=16), Shape(n_slots=8, frac=0), Shape(n_slots=32, frac=8), Shape(n_slots=64),
+)  # fmt: skip
+_FIRST, _MOST = 4_000, 200_000  # events of a run: to see how fast it goes, and at most
+_EVENTS_A_CHANGE = 400
+
+
+class _Task(NamedTuple):
+    seed: int
+    run: int
+    seconds: float
+
+
+class _Done(NamedTuple):
+    """One run; `difference` is empty where both are the same."""
+
+    run: int
+    shape: Shape
+    events: int
+    records: int
+    changes: int
+    difference: str
+
+
+def main() -> int:
+    """Run until there are enough events; 1 at a difference."""
+    options = _options()
+    print(f"seed {options.seed}", flush=True)
+    began, events, records, changes = time.monotonic(), 0, 0, 0
+    slots: Counter[str] = Counter()
+    for done in _runs(options):
+        name = f"{done.shape.n_slots} slots, frac {done.shape.frac}"
+        if done.difference:
+            print(f"run {done.run}, {name}, {done.events:,} events: {done.difference}")
+            return 1
+        events, records, changes = events + done.events, records + done.records, changes + done.changes
+        slots[name] += done.events
+        print(f"run {done.run}, {name}: {done.events:,} events; {events:,} in all, {records:,} records", flush=True)
+    print(f"the same: {events:,} events, {records:,} records, {changes:,} changes, {time.monotonic() - began:.0f} s")
+    for name, number in slots.items():
+        print(f"  {name}: {number:,} events")
+    return 0
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0] if __doc__ else None)
+    parser.add_argument("--events", type=int, default=1_000_000, help="how many at least (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="of everything that is drawn (default: %(default)s)")
+    parser.add_argument("--seconds", type=float, default=20.0, help="how long a run takes, about (default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
+    return parser.parse_args()
+
+
+def _runs(options: argparse.Namespace) -> Iterator[_Done]:
+    """Runs, as they end, until there are enough events or one has a difference."""
+    events, number = 0, count()
+    with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
+        going: set[Future[_Done]] = set()
+        while events < options.events:
+            while len(going) < options.jobs:
+                going.add(pool.submit(_run, _Task(options.seed, next(number), options.seconds)))
+            ended, going = wait(going, return_when=FIRST_COMPLETED)
+            for done in (future.result() for future in ended):
+                events += done.events
+                yield done
+                if done.difference:
+                    return
+
+
+def _run(task: _Task) -> _Done:
+    shape = _SHAPES[task.run % len(_SHAPES)]
+    began = time.monotonic()
+    done = _once(task, shape, _FIRST)
+    events = int(_FIRST * task.seconds / (time.monotonic() - began))
+    return done if done.difference or events < 2 * _FIRST else _once(task, shape, min(events, _MOST))
+
+
+def _once(task: _Task, shape: Shape, events: int) -> _Done:
+    """Run both on so many events."""
+    rng = np.random.default_rng([task.seed, task.run])
+    config = random_motion(rng, shape)
+    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
+    device = TopDevice(config, {"FIFO_DEPTH": 16, "RECORD_DEPTH": 3}, pace=Pace.random(rng) if rng.random() < 0.75 else None)
+    try:
+        both = rewritten(device, config, traffic, rng, events // _EVENTS_A_CHANGE)
+    except HardwareError as error:
+        return _Done(task.run, shape, events, 0, 0, str(error))
+    return _Done(task.run, shape, events, len(both.model.records), len(both.at), _difference(both))
+
+
+def _difference(both: Rewritten) -> str:
+    """Which columns differ, and where first."""
+    found = []
+    for name in both.model._fields:
+        mine, theirs = getattr(both.hardware, name), getattr(both.model, name)
+        if not np.array_equal(mine, theirs):
+            shared = min(len(mine), len(theirs))
+            first = int(np.append(np.flatnonzero(mine[:shared] != theirs[:shared]), shared)[0])
+            found.append(f"{name} from {first} of {len(mine)} and {len(theirs)}")
+    return "; ".join(found)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
