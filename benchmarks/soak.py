@@ -19,11 +19,13 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import replace
 from itertools import count
 from typing import NamedTuple
 
 import numpy as np
 
+from evcot.filters.contract import FilterShape
 from evcot.hardware.contract import Shape
 from evcot_cosim.devices.base import HardwareError
 from evcot_cosim.devices.top_device import Pace, TopDevice
@@ -36,6 +38,7 @@ _SHAPES = (
 )  # fmt: skip
 _FIRST, _MOST = 4_000, 200_000  # events of a run: to see how fast it goes, and at most
 _EVENTS_A_CHANGE = 400
+_WAIT_LOG2 = 14  # of half the longest silence in bursts and noise, in ticks: there may be a motion step in each
 
 
 class _Task(NamedTuple):
@@ -111,8 +114,10 @@ def _run(task: _Task) -> _Done:
 def _once(task: _Task, shape: Shape, events: int) -> _Done:
     """Run both on so many events."""
     rng = np.random.default_rng([task.seed, task.run])
-    config = random_motion(rng, shape)
-    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
+    sensor = FilterShape(1 << shape.x_w, 1 << shape.y_w)  # of filters that are not there
+    config = replace(random_motion(rng, shape), filter_shape=sensor)
+    waits = replace(shape, tc_w=min(shape.tc_w, _WAIT_LOG2))
+    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, waits, events, float(rng.choice(RATES)))
     device = TopDevice(config, {"FIFO_DEPTH": 16, "RECORD_DEPTH": 3}, pace=Pace.random(rng) if rng.random() < 0.75 else None)
     try:
         both = rewritten(device, config, traffic, rng, events // _EVENTS_A_CHANGE)

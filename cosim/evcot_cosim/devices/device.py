@@ -35,7 +35,7 @@ from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, saving_s
 from .motion import MOTION_PARAMETERS, check_motion, motion_writes
 from .silence import check_waits
 
-__all__ = ["Device", "DeviceState", "StreamTimes", "arrangement_of", "build_device"]
+__all__ = ["Device", "DeviceState", "StreamTimes", "arrangement_of", "build_device", "step_clocks"]
 
 _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 _MOTION = "cot_motion"  # the array with motion
@@ -335,14 +335,17 @@ class Device:
         if not self.config.motion.enable:
             return 0
         wait = int(np.diff(ticks, prepend=self.now).max(initial=0))
-        slots = self.shape.n_slots
-        clocks = (1 + (wait >> self.config.motion.step_log2)) * slots * (_SLOT_CLOCKS + _PAIR_CLOCKS * slots)
-        return min(clocks, _FOREVER >> 1)
+        return step_clocks(self.shape.n_slots, wait, self.config.motion.step_log2)
 
     @property
     def arrangement(self) -> Arrangement:
         """The golden model's arrangement that matches this hardware."""
         return arrangement_of(self.top)
+
+
+def step_clocks(slots: int, wait: int, step_log2: int) -> int:
+    """The most clocks that an array with motion may take for the motion steps within so many ticks: see docs/motion.md."""
+    return min((1 + (wait >> step_log2)) * slots * (_SLOT_CLOCKS + _PAIR_CLOCKS * slots), _FOREVER >> 1)
 
 
 def arrangement_of(top: Top) -> Arrangement:

@@ -167,6 +167,7 @@ _DRIVE = Drive(
         "event_capacity": "int64_t",
         "clocks": "int64_t",  # length of the run; 0: until everything has been processed
         "quiet_clocks": "int64_t",
+        "step_clocks": "int64_t",  # that motion steps may take between two handshakes
         **{f"go_{name}": "int64_t" for name in _GOES},  # of 256
         "random": "uint64_t",
         "clock": "int64_t",
@@ -310,6 +311,7 @@ class TopDevice:
         quiet_clocks: int = 10_000,
         most: int | None = None,
         take_outputs: bool = True,
+        step_clocks: int = 0,
     ) -> TopRun:
         """Stream words and access registers until there was no handshake for `quiet_clocks`, or for `clocks` clocks.
 
@@ -320,6 +322,7 @@ class TopDevice:
             quiet_clocks: must exceed the time a filter needs to clear its memory, if the run is to wait for that.
             most: maximum number of output events (default: the number of input words).
             take_outputs: accept outputs; otherwise they wait for the next run.
+            step_clocks: what motion steps may take between two handshakes, beyond a million clocks (`device.step_clocks`).
 
         Raises:
             HardwareError: the hardware violated the protocol of a channel, or made no progress.
@@ -341,7 +344,8 @@ class TopDevice:
             commands=pointer(table), n_commands=len(commands), most_polls=1 << 20,
             records=pointer(records), recorded=pointer(recorded), record_capacity=len(records),
             owned=pointer(owned), user=pointer(user), passed=pointer(passed), event_capacity=len(owned),
-            clocks=clocks, quiet_clocks=quiet_clocks, random=self._random, clock=self.clock, irq_clock=-1,
+            clocks=clocks, quiet_clocks=quiet_clocks, step_clocks=step_clocks,
+            random=self._random, clock=self.clock, irq_clock=-1,
             **{f"go_{name}": self.pace.goes.get(name, 256) for name in ("in", "bus")},
             **{f"go_{name}": take_outputs * self.pace.goes.get(name, 256) for name in ("records", "owned", "passed")},
         )  # fmt: skip

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RULES, MotionRegisters
@@ -20,6 +20,7 @@ from evcot.hardware.streams import pack_events
 from evcot.ticks import TickedEvents
 
 from ..devices.base import HardwareError
+from ..devices.device import step_clocks
 from ..devices.top_device import Command, TopDevice, address_of, bank_address, poll, read, slot_address, write
 from .random_runs import random_motion
 
@@ -70,7 +71,9 @@ def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: 
         asks.append(len(commands) - 1)
     device.reset()
     device.configure(config)
-    played = device.run(pack_events(traffic.ticks, traffic.x, traffic.y, traffic.p), commands)
+    steps = min(registers.step_log2 for registers in (config.motion, *(one.motion for one in made if one.motion)))
+    longest = step_clocks(config.shape.n_slots, int(np.diff(traffic.ticks).max()), steps)
+    played = device.run(pack_events(traffic.ticks, traffic.x, traffic.y, traffic.p), commands, step_clocks=longest)
     if played.commands["response"].any():
         refused = int(np.flatnonzero(played.commands["response"])[0])
         raise HardwareError(f"evcot_top refused access {refused}, {commands[refused]}", int(commands[refused][0]))
@@ -82,7 +85,7 @@ def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: 
         if change.motion is not None:
             model.write_motion(change.motion)
         else:
-            lost = model.write_registers(change.slot, SlotConfig(mode=change.mode), restart=True)
+            lost = model.write_registers(change.slot, replace(config.slots[change.slot], mode=change.mode), restart=True)
             parts.append(Decisions(lost, np.empty(0, np.int16), np.empty(0, np.uint16), np.empty(0, np.uint16)))
             ended += len(lost)
     parts.append(model.feed(traffic[begin:]))

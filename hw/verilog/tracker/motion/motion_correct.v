@@ -49,7 +49,7 @@ module motion_correct #(
     input  wire              look_done,
     input  wire              gap_found,
     input  wire              low_stays,
-    input  wire              inverse_busy,
+    input  wire              inverse_goes_on,  // in the next clock its leading bit is still looked for
     input  wire              window_done,
     input  wire              record_free,
 
@@ -137,7 +137,7 @@ module motion_correct #(
         {c_times, c_count, c_bins, c_window, c_note, look} <= 6'd0;
         {keep, keep_now, keep_until, keep_window, keep_start, say} <= 6'd0;
         lane_next <= lane;
-        may_turn  <= lane && !inverse_busy;
+        may_turn  <= lane && !inverse_goes_on;
         turns <= corrections >= 6'd2;
         old   <= corrections >= 6'd8;
         if (op_ready) op_valid <= 1'b0;

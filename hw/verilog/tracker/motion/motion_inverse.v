@@ -2,11 +2,11 @@
 // What a division by a number is done with: docs/motion.md, "Correction", point 3. The position of its leading bit, and the inverse by
 // the three bits below it.
 //
-// Latency:    2 to 16 clocks from start to busy falling, and 3 more to the results.
+// Latency:    1 to 7 clocks from start, with which goes_on rises, to its falling, and 4 more to the results.
 // Throughput: one at a time.
 // Stall:      the results stay until the next start.
 // Reset:      not busy.
-// Combinational paths: none.
+// Combinational paths: start -> goes_on.
 `default_nettype none
 
 module motion_inverse (
@@ -15,14 +15,17 @@ module motion_inverse (
 
     input  wire        start,
     input  wire [23:0] number,    // at least 1
-    output reg         busy,
+    output wire        goes_on,   // in the next clock the leading bit is still looked for
     output reg  [4:0]  leading,   // position of the leading bit
     output reg  [6:0]  inverse    // round(1024 / (8.5 + m)), m the three bits below it
 );
 
+    reg         busy;
     reg  [23:0] left;
     wire        by_8 = left[23:16] == 8'd0;
     wire        by_1 = !by_8 && !left[23];
+
+    assign goes_on = start || busy && left[23:20] == 4'd0;
 
     always @(posedge clk) begin
         case (left[22:20])
@@ -35,14 +38,13 @@ module motion_inverse (
             3'd6: inverse <= 7'd71;
             3'd7: inverse <= 7'd66;
         endcase
-        if (left[23:20] != 4'd0) busy <= 1'b0;
+        busy <= goes_on;
         if (by_8) left <= {left[15:0], 8'd0};
         if (by_1) left <= {left[22:0], 1'b0};
         leading <= leading - {1'b0, by_8, 2'b00, by_1};
         if (start) begin
             left    <= number;
             leading <= 5'd23;
-            busy    <= 1'b1;
         end
         if (rst) busy <= 1'b0;
     end

@@ -117,7 +117,7 @@ module motion_work #(
 
     // ---- what is done, in order ----------------------------------------------------------------------------------------
 
-    wire              begun, lane, q_meets, look_due, looks, inverse_busy, window_done, silent, ended, older, dividing, enough, overdue;
+    wire              begun, lane, q_meets, look_due, looks, inverse_goes_on, window_done, silent, ended, older, dividing, enough, overdue;
     wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, returned, this_slot;
@@ -197,7 +197,7 @@ module motion_work #(
         .look_done   (look_done),
         .gap_found   (gap_found),
         .low_stays   (low_stays),
-        .inverse_busy(inverse_busy),
+        .inverse_goes_on(inverse_goes_on),
         .window_done (window_done),
         .meets       (meets),
         .silent      (silent),
@@ -502,7 +502,7 @@ module motion_work #(
         .rst    (rst),
         .start  (c_invert),
         .number (ticks),
-        .busy   (inverse_busy),
+        .goes_on(inverse_goes_on),
         .leading(leading),
         .inverse(inverse)
     );

@@ -122,7 +122,7 @@ def test_random_jobs(stalls: bool) -> None:
             io.look_due = int(job.look_due) if was_loaded else any_[1]
             looks = job.looks[on_y[0]] if len(set(on_y[:2])) == 1 and control.clocks >= noted + 3 else bool(any_[2])
             io.looks = int(looks)
-            io.inverse_busy = int(busy > 0)
+            io.inverse_goes_on = int(busy > 1)
             io.look_done = int(look_in == 1)
             on_y = [int(io.look_y), *on_y[:3]]
             n_said = len(control.said)
@@ -137,7 +137,7 @@ def test_random_jobs(stalls: bool) -> None:
                 io.gap_found, io.low_stays = int(job.found[int(io.look_y)]), int(job.low_stays[int(io.look_y)])
             noted = control.clocks if int(io.c_note) else noted
             if int(io.c_times):
-                assert not int(io.inverse_busy)
+                assert busy == 0
             if on_axis:  # y has the command a clock later
                 assert int(io.look_y) == on_y[0]
             on_axis = int(io.c_cut_high) or int(io.c_cut_low) or int(io.c_order)
