@@ -69,6 +69,7 @@ def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: 
         made.append(change)
         commands += [*writes, write(address, 1, after), _SETTLED, read(address)]
         asks.append(len(commands) - 1)
+    commands.append(poll(address_of("status"), 1, 1, n))  # all is through, however long motion steps take
     device.reset()
     device.configure(config)
     steps = min(registers.step_log2 for registers in (config.motion, *(one.motion for one in made if one.motion)))

@@ -142,7 +142,7 @@ module motion_gaps #(
                     if (full) begin
                         any <= 1'b1;
                         run <= 4'd0;
-                        if (any && run > widest) begin
+                        if (any && widest < run) begin
                             widest <= run;
                             behind <= bin;
                         end

@@ -57,7 +57,7 @@ module motion_look #(
         looks     <= on_y ? looks_y : looks_x;
         half      <= {1'b0, on_y ? half_x : half_y};
         across    <= on_y ? across_y : across_x;
-        narrowest <= across || least > half ? least : half;
+        narrowest <= across || half < least ? least : half;
         cut_bin   <= low_stays ? begins : ends;
         log2      <= bin_log2;
         cut_px    <= {{(PX_W - 4) {1'b0}}, cut_bin} << log2;

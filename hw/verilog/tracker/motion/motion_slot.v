@@ -210,7 +210,7 @@ module motion_slot #(
         end
         if (count) begin
             n_ev <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
-                  : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
+                  : {{(PX_W - 9) {1'b0}}, nev_high} < outline ? nev_high : outline[9:0];
             if (corrections != 6'd63) corrections <= corrections + 6'd1;
         end
         if (begin_bins) begin

@@ -88,7 +88,7 @@ module motion_times #(
     always @(posedge clk) begin
         age    <= now - then;
         ticks  <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
-        silent <= |age[TIME_W-1:25] || age[24:0] > {usual, 1'b0};
+        silent <= |age[TIME_W-1:25] || {usual, 1'b0} < age[24:0];
 
         slower_by <= {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
@@ -109,7 +109,7 @@ module motion_times #(
         end
         limits  <= grows && grow_left == 4'd0;
         shorter   <= !over && grant < life_ticks;
-        longer    <= over || grant > coast_ticks;
+        longer    <= over || coast_ticks < grant;
         chooses <= limits;
         if (seed || leave || chooses)
             granted <= seed ? detect_ticks : leave ? return_ticks : shorter ? life_ticks : longer ? coast_ticks : grant;
