@@ -105,25 +105,26 @@ def _runs(options: argparse.Namespace) -> Iterator[_Done]:
 
 def _run(task: _Task) -> _Done:
     shape = _SHAPES[task.run % len(_SHAPES)]
-    began = time.monotonic()
-    done = _once(task, shape, _FIRST)
-    events = int(_FIRST * task.seconds / (time.monotonic() - began))
-    return done if done.difference or events < 2 * _FIRST else _once(task, shape, min(events, _MOST))
+    done, took_s = _once(task, shape, _FIRST)
+    events = int(_FIRST * task.seconds / took_s)
+    return done if done.difference or events < 2 * _FIRST else _once(task, shape, min(events, _MOST))[0]
 
 
-def _once(task: _Task, shape: Shape, events: int) -> _Done:
-    """Run both on so many events."""
+def _once(task: _Task, shape: Shape, events: int) -> tuple[_Done, float]:
+    """Run both on so many events; and how many seconds that took, once the hardware was there."""
     rng = np.random.default_rng([task.seed, task.run])
     sensor = FilterShape(1 << shape.x_w, 1 << shape.y_w)  # of filters that are not there
     config = replace(random_motion(rng, shape), filter_shape=sensor)
     waits = replace(shape, tc_w=min(shape.tc_w, _WAIT_LOG2))
     traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, waits, events, float(rng.choice(RATES)))
     device = TopDevice(config, {"FIFO_DEPTH": 16, "RECORD_DEPTH": 3}, pace=Pace.random(rng) if rng.random() < 0.75 else None)
+    began = time.monotonic()
     try:
         both = rewritten(device, config, traffic, rng, events // _EVENTS_A_CHANGE)
     except HardwareError as error:
-        return _Done(task.run, shape, events, 0, 0, str(error))
-    return _Done(task.run, shape, events, len(both.model.records), len(both.at), _difference(both))
+        return _Done(task.run, shape, events, 0, 0, str(error)), time.monotonic() - began
+    done = _Done(task.run, shape, events, len(both.model.records), len(both.at), _difference(both))
+    return done, time.monotonic() - began
 
 
 def _difference(both: Rewritten) -> str:

@@ -5,7 +5,7 @@
 // An operation comes before a slot that is put in force, and that before a token. A step waits until nothing is under way, and all that
 // waits is in force; so does the end of a life, which comes first.
 //
-// Latency:    1 clock from d_valid to now; 3 from a write of `mode` to the end of its slot's life, 4 from one of step_log2 to next_step.
+// Latency:    1 clock from d_valid to now; 4 from a write of `mode` to the end of its slot's life, 4 from one of step_log2 to next_step.
 // Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
 // Stall:      a step and the end of a life wait for `drained`.
 // Reset:      turns all slots off; the first step is at 2^step_log2.
@@ -99,7 +99,7 @@ module motion_turn #(
     assign ends_life   = starts && restarts;
     assign steps       = starts && !restarts;
     assign puts_slot   = put_busy ? putting : put_slot;
-    assign quiet       = state == RUN && !reached && !put_busy && !any_restart && !restarts && !restep_1 && !restep_2 && !restep;
+    assign quiet       = state == RUN && !reached && !put_busy && !wrote && !any_restart && !restarts && !restep_1 && !restep_2 && !restep;
 
     array_lowest #(
         .N     (N),
@@ -111,16 +111,23 @@ module motion_turn #(
         .lowest(lowest_restart)
     );
 
-    wire writes_mode = cfg_valid && cfg_addr == `EVCOT_MREG_MODE;
+    reg              wrote, wrote_seeded;
+    reg [SLOT_W-1:0] wrote_slot;
+
+    always @(posedge clk) begin
+        wrote        <= cfg_valid && cfg_addr == `EVCOT_MREG_MODE && !rst;
+        wrote_slot   <= cfg_slot;
+        wrote_seeded <= cfg_mode == `EVCOT_MODE_SEEDED;
+    end
 
     genvar i;
     generate
         for (i = 0; i < N; i = i + 1) begin : g_slot
-            wire writes = writes_mode && cfg_slot == i[SLOT_W-1:0];
+            wire writes = wrote && wrote_slot == i[SLOT_W-1:0];
             wire ends   = ends_life && end_slot == i[SLOT_W-1:0];
 
             always @(posedge clk) begin
-                if (writes) seeded[i] <= cfg_mode == `EVCOT_MODE_SEEDED;
+                if (writes) seeded[i] <= wrote_seeded;
                 if (writes || ends) restart[i] <= writes;
                 if (rst) {seeded[i], restart[i]} <= 2'b00;
             end
