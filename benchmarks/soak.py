@@ -2,12 +2,13 @@
 """Random events through hardware and golden model, with all options of motion; registers are rewritten while events flow.
 
 python benchmarks/soak.py                              # a million events
-python benchmarks/soak.py --events 20000000 --jobs 2   # as many as the goal asks for
+python benchmarks/soak.py --events 20000000 --jobs 2   # twenty million
+python benchmarks/soak.py --seed 3 --run 9 --length 89188      # one run again, of so many events
 
 A run has a shape of 1 to 64 slots with 0, 4 or 8 fractional bits, and draws registers over their whole legal ranges, outlines
 of boxes that meet and hide each other, or bursts and noise, and stalls. Every second run is of `evcot_top`, with a change of
 registers every 400 events or so; the others are of the array alone, which is faster. It has as many events as take about
---seconds; the same seed, run and number of events are the same run. The first difference ends the program with exit code 1.
+--seconds, and says how many. The first difference ends the program with exit code 1.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import multiprocessing
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import replace
 from itertools import count
@@ -63,6 +64,10 @@ class _Done(NamedTuple):
 def main() -> int:
     """Run until there are enough events; 1 at a difference."""
     options = _options()
+    if options.run is not None:
+        done, _ = _of(options.run)(_Task(options.seed, options.run, 0.0), options.length)
+        print(f"run {done.run}, {done.shape.n_slots} slots, {done.events:,} events: {done.difference or 'the same'}")
+        return 1 if done.difference else 0
     print(f"seed {options.seed}", flush=True)
     began, events, records, changes = time.monotonic(), 0, 0, 0
     slots: Counter[str] = Counter()
@@ -86,6 +91,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="of everything that is drawn (default: %(default)s)")
     parser.add_argument("--seconds", type=float, default=20.0, help="how long a run takes, about (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
+    parser.add_argument("--run", type=int, help="only this run, of --length events")
+    parser.add_argument("--length", type=int, default=_FIRST, help="events of --run (default: %(default)s)")
     return parser.parse_args()
 
 
@@ -106,16 +113,22 @@ def _runs(options: argparse.Namespace) -> Iterator[_Done]:
 
 
 def _run(task: _Task) -> _Done:
-    shape = _SHAPES[task.run // 2 % len(_SHAPES)]
-    once = _alone if task.run % 2 else _in_top
-    done, took_s = once(task, shape, _FIRST)
+    done, took_s = _of(task.run)(task, _FIRST)
     events = int(_FIRST * task.seconds / took_s)
-    return done if done.difference or events < 2 * _FIRST else once(task, shape, min(events, _MOST))[0]
+    return done if done.difference or events < 2 * _FIRST else _of(task.run)(task, min(events, _MOST))[0]
 
 
-def _in_top(task: _Task, shape: Shape, events: int) -> tuple[_Done, float]:
+def _of(run: int) -> Callable[[_Task, int], tuple[_Done, float]]:
+    return _alone if run % 2 else _in_top
+
+
+def _shape(task: _Task) -> Shape:
+    return _SHAPES[task.run // 2 % len(_SHAPES)]
+
+
+def _in_top(task: _Task, events: int) -> tuple[_Done, float]:
     """`evcot_top` and the model on so many events; and how many seconds that took, once the hardware was there."""
-    rng = np.random.default_rng([task.seed, task.run])
+    shape, rng = _shape(task), np.random.default_rng([task.seed, task.run])
     sensor = FilterShape(1 << shape.x_w, 1 << shape.y_w)  # of filters that are not there
     config = replace(random_motion(rng, shape), filter_shape=sensor)
     waits = replace(shape, tc_w=min(shape.tc_w, _WAIT_LOG2))
@@ -130,9 +143,9 @@ def _in_top(task: _Task, shape: Shape, events: int) -> tuple[_Done, float]:
     return done, time.monotonic() - began
 
 
-def _alone(task: _Task, shape: Shape, events: int) -> tuple[_Done, float]:
+def _alone(task: _Task, events: int) -> tuple[_Done, float]:
     """The same for the array alone, whose registers stay."""
-    seed = int(np.random.SeedSequence([task.seed, task.run]).generate_state(1)[0])
+    shape, seed = _shape(task), int(np.random.SeedSequence([task.seed, task.run]).generate_state(1)[0])
     model = build_device(random_motion(np.random.default_rng(seed), shape), waves=False)
     began = time.monotonic()
     try:

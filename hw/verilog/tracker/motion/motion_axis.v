@@ -70,9 +70,9 @@ module motion_axis #(
     reg            update_4, store_4;
     reg signed [SIDE_W-1:0] lo_far_4, hi_far_4;    // where the last event that moved sides took them, if it was beyond,
     reg signed [SIDE_W-1:0] lo_near_4, hi_near_4;  // and if not
-    reg            lo_goes_4, hi_goes_4;           // it was
+    reg            lo_goes_4, hi_goes_4;           // which of the two
     reg [1:0]      marks_4, beyond_4;              // marks before it, and its own
-    reg            same, lo_goes, hi_goes;         // the slot in the third stage is its own; and it was beyond
+    reg            same, lo_goes, hi_goes;         // it was of the slot in the third stage; and went far
     reg signed [SIDE_W-1:0] lo_else, hi_else;      // the sides of another slot
     reg [1:0]      marks_else;
     reg            hide_lo, hide_hi, hide_both;

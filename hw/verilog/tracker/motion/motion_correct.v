@@ -118,7 +118,7 @@ module motion_correct #(
     wire      goes_on = !pause[0];
     wire      op_free = !op_valid || op_ready;
     reg       lane_next;         // `lane` in the next clock: it changes in each but while a slot is being read
-    reg       may_turn;          // and the leading bit of the time is known
+    reg       may_turn;          // it is high in the next clock, and the leading bit of the time is known
     reg       turns;             // its velocity is corrected
     reg       old;               // and it may be looked at
 
