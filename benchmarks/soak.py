@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random events through hardware and golden model, with all options of motion; registers are rewritten while events flow.
 
-python benchmarks/soak.py                              # a million events
-python benchmarks/soak.py --events 20000000 --jobs 2   # twenty million
-python benchmarks/soak.py --seed 3 --run 9 --length 89188      # one run again, of so many events
+python benchmarks/soak.py                                   # a million events
+python benchmarks/soak.py --events 20000000 --jobs 2        # twenty million
+python benchmarks/soak.py --seed 3 --run 9 --length 89188   # one run again, of so many events
 
 A run has a shape of 1 to 64 slots with 0, 4 or 8 fractional bits, and draws registers over their whole legal ranges, outlines
 of boxes that meet and hide each other, or bursts and noise, and stalls. Every second run is of `evcot_top`, with a change of
@@ -33,7 +33,7 @@ from evcot_cosim.devices.device import build_device
 from evcot_cosim.devices.top_device import Pace, TopDevice
 from evcot_cosim.lockstep.mismatch import MismatchError
 from evcot_cosim.lockstep.random_runs import RATES, random_motion, random_motion_run, random_outlines, random_traffic
-from evcot_cosim.lockstep.rewriting import Rewritten, rewritten
+from evcot_cosim.lockstep.rewriting import ALONE, Rewritten, rewritten
 
 _SHAPES = (
     Shape(n_slots=8), Shape(n_slots=1, x_w=7, y_w=7, tc_w=12), Shape(n_slots=2, x_w=5, y_w=9, frac=0), Shape(n_slots=4, frac=8),
@@ -93,7 +93,12 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
     parser.add_argument("--run", type=int, help="only this run, of --length events")
     parser.add_argument("--length", type=int, default=_FIRST, help="events of --run (default: %(default)s)")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if options.jobs < 1:
+        parser.error(f"--jobs {options.jobs}: must be at least 1")
+    if options.length <= ALONE:
+        parser.error(f"--length {options.length}: must be more than {ALONE}")
+    return options
 
 
 def _runs(options: argparse.Namespace) -> Iterator[_Done]:

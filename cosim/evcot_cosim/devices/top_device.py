@@ -41,6 +41,7 @@ __all__ = [
     "configuration",
     "filter_address",
     "poll",
+    "poll_status",
     "read",
     "slot_address",
     "write",
@@ -98,6 +99,13 @@ def poll(address: int, mask: int, data: int, after: int = 0) -> Command:
     return after, _Op.POLL, address, data, mask
 
 
+def poll_status(field: str, value: int, after: int = 0) -> Command:
+    """A command that reads the status until a field of one bit has a value."""
+    word = register_map().word("status")
+    mask = next(one.mask for one in word.fields if one.name == field)
+    return poll(word.address, mask, mask * value, after)
+
+
 def address_of(name: str) -> int:
     """Address of a word outside the banks."""
     return register_map().word(name).address
@@ -133,8 +141,7 @@ def configuration(config: CotConfig) -> list[Command]:
             found.append(write(bank_address(bank), 1))
     if config.filtered:
         if config.filters.hot_pixels:
-            cleared = next(field.mask for field in register_map().word("status").fields if field.name == "cleared")
-            found.append(poll(address_of("status"), cleared, cleared))
+            found.append(poll_status("cleared", 1))
             found += [write(filter_address("mask"), mask_word(x, y)) for x, y in config.filters.hot_pixels]
         names = sorted(register_map().banks["filter"].registers.keys() - {"mask"})
         found += [write(filter_address(name), int(getattr(config.filters, name))) for name in names]
@@ -297,9 +304,7 @@ class TopDevice:
         """
         if config is not None and config.motion.enable != self.config.motion.enable:
             raise ConfigError(f"motion.enable = {config.motion.enable}: must be {self.config.motion.enable}, as it was built")
-        self.run(
-            commands=[*configuration(config or self.config), poll(address_of("status"), 2, 0), write(address_of("control"), 1)]
-        )
+        self.run(commands=[*configuration(config or self.config), poll_status("pending", 0), write(address_of("control"), 1)])
 
     def run(
         self,

@@ -21,13 +21,12 @@ from evcot.ticks import TickedEvents
 
 from ..devices.base import HardwareError
 from ..devices.device import step_clocks
-from ..devices.top_device import Command, TopDevice, address_of, bank_address, poll, read, slot_address, write
+from ..devices.top_device import Command, TopDevice, bank_address, poll_status, read, slot_address, write
 from .random_runs import random_motion
 
-__all__ = ["Rewritten", "rewritten"]
+__all__ = ["ALONE", "Rewritten", "rewritten"]
 
-_SETTLED = poll(address_of("status"), 2, 0)
-_ALONE = 300  # events at the end before which no change is asked for: it takes effect some events later
+ALONE = 300  # events at the end before which no change is asked for: it takes effect some events later
 
 
 class _Change(NamedTuple):
@@ -52,7 +51,7 @@ def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: 
 
     Args:
         device: of the configuration's shape, with motion and without filters.
-        traffic: more than 300 events.
+        traffic: more than `ALONE` events.
         changes: of two banks of motion, and of slots, as likely.
 
     Raises:
@@ -63,13 +62,13 @@ def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: 
     made: list[_Change] = []
     commands: list[Command] = []
     asks: list[int] = []
-    for after in np.sort(rng.integers(0, n - _ALONE, changes)).tolist():
+    for after in np.sort(rng.integers(0, n - ALONE, changes)).tolist():
         change, writes, address = _change(rng, config.shape, motion, after)
         motion = change.motion or motion
         made.append(change)
-        commands += [*writes, write(address, 1, after), _SETTLED, read(address)]
+        commands += [*writes, write(address, 1, after), poll_status("pending", 0), read(address)]
         asks.append(len(commands) - 1)
-    commands.append(poll(address_of("status"), 1, 1, n))  # all is through, however long motion steps take
+    commands.append(poll_status("idle", 1, n))  # all is through, however long motion steps take
     device.reset()
     device.configure(config)
     steps = min(registers.step_log2 for registers in (config.motion, *(one.motion for one in made if one.motion)))
