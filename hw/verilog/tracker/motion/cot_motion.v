@@ -243,14 +243,19 @@ module cot_motion #(
         .quiet      (quiet)
     );
 
+    reg calm, still;  // nothing is under way but what comes, or has come in the clock before
+    reg comes;
     reg none;   // what `idle` says, a clock earlier but for what comes
     reg waits;  // a slot has begun to wait for work
 
     always @(posedge clk) begin
         waits <= d_corrects || d_seeds;
-        none  <= quiet && q_empty && !s_valid && !active && rests && !waits && !job_valid && !op_valid && output_empty && !m_cm_valid && !cfg_valid;
+        calm  <= quiet && q_empty;
+        still <= !active && rests && !waits && !job_valid && !op_valid && output_empty && !m_cm_valid;
+        comes <= s_valid || cfg_valid;
+        none  <= calm && still && !comes && !s_valid && !cfg_valid;
         idle  <= none && !s_valid && !cfg_valid;
-        if (rst) {none, idle} <= 2'b00;
+        if (rst) {calm, still, none, idle} <= 4'b0000;
     end
 
     // ---- events --------------------------------------------------------------------------------------------------------

@@ -71,10 +71,12 @@ module motion_axis #(
     reg signed [SIDE_W-1:0] lo_far_4, hi_far_4;    // where the last event that moved sides took them, if it was beyond,
     reg signed [SIDE_W-1:0] lo_near_4, hi_near_4;  // and if not
     reg            lo_goes_4, hi_goes_4;           // which of the two
-    reg [1:0]      marks_4, beyond_4;              // marks before it, and its own
-    reg            same, lo_goes, hi_goes;         // it was of the slot in the third stage; and went far
-    reg signed [SIDE_W-1:0] lo_else, hi_else;      // the sides of another slot
-    reg [1:0]      marks_else;
+    reg [1:0]      marks_4, beyond_4;              // marks before it, and its own,
+    reg [1:0]      beyond;                         // if it was of the slot in the third stage
+    reg            lo_goes, hi_goes;               // it was of the slot in the third stage, and went far
+    reg signed [SIDE_W-1:0] lo_same, hi_same;      // if it was, lo_near_4 and hi_near_4, else 0
+    reg signed [SIDE_W-1:0] lo_else, hi_else;      // if not, the sides of that slot, else 0
+    reg [1:0]      marks_then;
     reg            hide_lo, hide_hi, hide_both;
     reg [17:0]     far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
     reg [PX_W:0]   from;
@@ -99,9 +101,9 @@ module motion_axis #(
     wire              lo_is_far = hide_lo ? above : below;
     wire              hi_is_far = hide_hi ? below : above;
 
-    assign lo    = lo_goes ? lo_far_4 : same ? lo_near_4 : lo_else;
-    assign hi    = hi_goes ? hi_far_4 : same ? hi_near_4 : hi_else;
-    assign marks = same ? marks_4 | beyond_4 : marks_else;
+    assign lo    = lo_goes ? lo_far_4 : lo_same | lo_else;
+    assign hi    = hi_goes ? hi_far_4 : hi_same | hi_else;
+    assign marks = marks_then | beyond;
 
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
@@ -131,10 +133,12 @@ module motion_axis #(
             beyond_4   <= hide_both ? 2'b00 : {above, below};
             lo_goes    <= forward && lo_is_far;
             hi_goes    <= forward && hi_is_far;
-            same       <= forward;
-            lo_else    <= recent ? lo_new : los[slot_2];
-            hi_else    <= recent ? hi_new : his[slot_2];
-            marks_else <= recent ? marks_new : markses[slot_2];
+            lo_same    <= forward ? lo_near[SIDE_W:1] : {SIDE_W{1'b0}};
+            hi_same    <= forward ? hi_near[SIDE_W:1] : {SIDE_W{1'b0}};
+            lo_else    <= forward ? {SIDE_W{1'b0}} : recent ? lo_new : los[slot_2];
+            hi_else    <= forward ? {SIDE_W{1'b0}} : recent ? hi_new : his[slot_2];
+            marks_then <= forward ? marks : recent ? marks_new : markses[slot_2];
+            beyond     <= forward && !hide_both ? {above, below} : 2'b00;
         end
 
         slot_4   <= slot_3;

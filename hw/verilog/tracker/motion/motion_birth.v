@@ -39,7 +39,7 @@ module motion_birth #(
     reg  [SIDE_W:0]   sides;
     reg  [SIDE_W+1:0] far, too_near;  // so much must it be, without two pixels; just less with them
     reg  [4:0]        left;           // places that `far` is shifted
-    reg               few, early, small_x, small_y, goes_far, went_far;
+    reg               few, old, early, small_x, small_y, goes_far, went_far;
     wire [SIDE_W:0]   start_x, start_y;
     reg  [SIDE_W:0]   from;             // of the axis that comes
     wire [PX_W-1:0]   least        = {{(PX_W - 8) {1'b0}}, birth_px};
@@ -65,12 +65,13 @@ module motion_birth #(
         end
         too_near <= far + {{(SIDE_W - 12) {1'b0}}, 14'h1fff};
         few      <= wide_support < wide_birth;
-        early    <= age[TIME_W-1:24] == {(TIME_W - 24) {1'b0}} && age[23:0] < birth_ticks;
+        old      <= |age[TIME_W-1:24];
+        early    <= age[23:0] < birth_ticks;  // if it is not old
         small_x  <= side_x[SIDE_W-1:12] < least;
         small_y  <= side_y[SIDE_W-1:12] < least;
         goes_far <= ahead[SIDE_W+2] || behind[SIDE_W+2];
         went_far <= goes_far;
-        appears  <= (goes_far || went_far) && !young && !small_x && !small_y && !few && !early;
+        appears  <= (goes_far || went_far) && !young && !small_x && !small_y && !few && (old || !early);
     end
 
 endmodule

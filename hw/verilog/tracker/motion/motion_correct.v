@@ -4,7 +4,7 @@
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low; how many clocks lie between two of them
 // is written there.
 //
-// Latency:    from start to done 27 to 48 clocks for a correction, 55 to 224 with a look for gaps; 35 or 36 for a candidate that begins.
+// Latency:    from start to done 27 to 48 clocks for a correction, 55 to 224 with a look for gaps; 37 or 38 for a candidate that begins.
 // Throughput: one at a time.
 // Stall:      waits for its operations, which are taken in the second clock at the latest, for the leading bit of the time and for its
 //             record to be accepted.
@@ -171,7 +171,7 @@ module motion_correct #(
                 c_seed   <= 1'b1;
                 since    <= SEEDED;
                 keep_now <= 1'b1;
-                pause    <= clocks(3'd1);
+                pause    <= clocks(3'd3);
                 state    <= SEED_1;
             end
             SEED_1: begin

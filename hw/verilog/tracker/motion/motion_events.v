@@ -224,7 +224,7 @@ module motion_events #(
     // ---- stages 5 and 6: what it does to its owner ---------------------------------------------------------------------
 
     reg               owned_5, begins_5, shared_5, visible_5, same_5, recent_5;
-    reg               takes, alone_6, begins_6;       // an owner has the event; and its alone; or a candidate may begin
+    reg               takes, updates, begins_6;       // an owner has the event; it changes the owner; or a candidate may begin
     reg  [SLOT_W-1:0] slot_5, slot_6;
     reg               seeding;                        // a candidate has begun that is not in force
     reg  [SUP_W:0]    supports[0:(1<<SLOT_W)-1];      // no more is counted; the count
@@ -233,17 +233,18 @@ module motion_events #(
     reg               full_6;
     reg  [9:0]        left_6;
     reg               any_left_6, last_left_6;
+    reg  [11:0]       left_op;                        // what an operation writes
 
     wire               event_5 = valid[5] && token_5[X_W+Y_W+2];
     wire               event_6 = valid[6] && token_6[X_W+Y_W+2];
     wire               skip_6  = token_6[X_W+Y_W+1];
-    wire               updates = alone_6 && any_left_6;
     wire               seeds   = begins_6 && !seeding;
     wire [SUP_W-1:0]   support_next = support_6 + {{(SUP_W - 1) {1'b0}}, !full_6};
     wire               full_next    = &(support_6 | {{(SUP_W - 1) {1'b0}}, 1'b1});
     wire [9:0]         left_next    = left_6 - 10'd1;
     wire [11:0]        left_5       = lefts[slot_5];
     wire               last_next    = left_6 == 10'd2;
+    wire               any_next     = !same_5 ? left_5[10] : any_left_6 && !(updates && last_left_6);
     wire [16:0]        far          = visible_5 ? out : {out[15:0], 1'b0};
     wire [16:0]        near         = visible_5 ? back : {back[15:0], 1'b0};
     wire [REL_W-1:0]   rel_x, rel_y;
@@ -268,17 +269,19 @@ module motion_events #(
         recent_5  <= (updates || op_6[1]) && slot_4 == slot_6;
 
         takes     <= event_5 && owned_5 && !begins_5;
-        alone_6   <= event_5 && owned_5 && !begins_5 && !shared_5;
+        updates   <= event_5 && owned_5 && !begins_5 && !shared_5 && any_next;
         begins_6  <= event_5 && owned_5 && begins_5;
         slot_6    <= slot_5;
         if (!same_5 || takes) {full_6, support_6} <= same_5 ? {full_next, support_next} : supports[slot_5];
         if (!same_5 || updates) begin
-            {last_left_6, any_left_6, left_6} <= same_5 ? {last_next, !last_left_6, left_next} : left_5;
+            {last_left_6, left_6} <= same_5 ? {last_next, left_next} : {left_5[11], left_5[9:0]};
         end
+        any_left_6 <= any_next;
+        left_op    <= {o_n_ev == 10'd1, o_n_ev != 10'd0, o_n_ev};
 
         if (takes || op_6[2]) supports[slot_6] <= op_6[2] ? {&o_support, o_support} : {full_next, support_next};
         if (updates || op_6[4])
-            lefts[slot_6] <= op_6[4] ? {o_n_ev == 10'd1, o_n_ev != 10'd0, o_n_ev} : {last_next, !last_left_6, left_next};
+            lefts[slot_6] <= op_6[4] ? left_op : {last_next, !last_left_6, left_next};
         if (seeds) seeding <= 1'b1;
         if (op_6[5]) seeding <= 1'b0;
 
@@ -296,7 +299,7 @@ module motion_events #(
         d_seq      <= seq;
         if (valid[6] && (event_6 || skip_6)) seq <= seq + {{(SEQ_W - 1) {1'b0}}, 1'b1};
         if (rst) begin
-            {takes, alone_6, begins_6} <= 3'd0;
+            {takes, updates, begins_6} <= 3'd0;
             seeding <= 1'b0;
             seq     <= {SEQ_W{1'b0}};
             d_valid <= 1'b0;

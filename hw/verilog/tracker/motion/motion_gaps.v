@@ -82,7 +82,7 @@ module motion_gaps #(
     localparam [2:0] SUM   = 3'd1;  // all events
     localparam [2:0] LEAST = 3'd2;  // what an empty bin has at most, found until the first one is there
     localparam [2:0] RUNS  = 3'd3;  // the widest gap
-    localparam [2:0] PLACE = 3'd4;
+    localparam [2:0] PLACE = 3'd4;  // where it lies
     localparam [2:0] PARTS = 3'd5;  // events below and above it
     localparam [2:0] JUDGE = 3'd6;
 
@@ -94,8 +94,11 @@ module motion_gaps #(
     reg              below, above;  // where the bin lies
     reg              full;     // the value is more than an empty bin has
     reg              any;      // a bin that is not empty was there
+    reg              closes;   // a run of empty bins between two that are not has ended: so many, before this one
+    reg [3:0]        ran, stop;
     reg [3:0]        run, widest, behind, bin_1, bin_2, bin;
     reg [4:0]        log2;
+    reg [10:0]       part;
     reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
 
     wire             looking = state != WAIT;
@@ -118,6 +121,17 @@ module motion_gaps #(
         above    <= state == PARTS && bin_2 >= ends;
         there    <= at > 5'd1 && !last;
         last     <= at == 5'd17;
+        closes   <= state == RUNS && there && full && any;
+        ran      <= run;
+        stop     <= bin;
+        begins   <= behind - widest;
+        ends     <= behind;
+        part     <= {7'd0, widest} << log2[2:0];
+        width    <= {{(WIDE_W - 11) {1'b0}}, part} << {log2[4:3], 3'd0};
+        if (closes && widest < ran) begin
+            widest <= ran;
+            behind <= stop;
+        end
         if (looking) at <= last ? 5'd0 : at + 5'd1;
         case (state)
             WAIT: begin
@@ -138,25 +152,14 @@ module motion_gaps #(
             end
             RUNS: begin
                 if (!there) least <= share == {BIN_W{1'b0}} ? {{(BIN_W - 1) {1'b0}}, 1'b1} : share;
-                if (there) begin
-                    if (full) begin
-                        any <= 1'b1;
-                        run <= 4'd0;
-                        if (any && widest < run) begin
-                            widest <= run;
-                            behind <= bin;
-                        end
-                    end else run <= run + 4'd1;
-                end
+                if (there && full) any <= 1'b1;
+                if (there) run <= full ? 4'd0 : run + 4'd1;
                 if (last) state <= PLACE;
             end
             PLACE: begin
-                begins <= behind - widest;
-                ends   <= behind;
-                width  <= {{(WIDE_W - 4) {1'b0}}, widest} << log2;
-                sum    <= {(BIN_W + 1) {1'b0}};
-                at     <= 5'd0;
-                state  <= PARTS;
+                sum   <= {(BIN_W + 1) {1'b0}};
+                at    <= 5'd0;
+                state <= PARTS;
             end
             PARTS: begin
                 if (there && (below || above)) sum <= next[BIN_W+1:1];

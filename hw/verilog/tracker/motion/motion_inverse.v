@@ -15,12 +15,13 @@ module motion_inverse (
 
     input  wire        start,
     input  wire [23:0] number,    // at least 1
+    input  wire        beyond,    // told a clock after start: it is 2^24 - 1 instead
     output wire        goes_on,   // in the next clock the leading bit is still looked for
     output reg  [4:0]  leading,   // position of the leading bit
     output reg  [6:0]  inverse    // round(1024 / (8.5 + m)), m the three bits below it
 );
 
-    reg         busy;
+    reg         busy, begun;
     reg  [23:0] left;
     wire        by_8 = left[23:16] == 8'd0;
     wire        by_1 = !by_8 && !left[23];
@@ -44,6 +45,11 @@ module motion_inverse (
         leading <= leading - {1'b0, by_8, 2'b00, by_1};
         if (start) begin
             left    <= number;
+            leading <= 5'd23;
+        end
+        begun <= start;
+        if (begun && beyond) begin
+            left    <= 24'hffffff;
             leading <= 5'd23;
         end
         if (rst) busy <= 1'b0;

@@ -4,7 +4,7 @@
 //
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low.
 //
-// Latency:    65 to 81 clocks from start to done.
+// Latency:    65 to 82 clocks from start to done.
 // Throughput: one at a time.
 // Stall:      waits for its operations, which are taken in the second clock at the latest, and for its records to be accepted.
 // Reset:      waits for a start.
@@ -90,10 +90,13 @@ module motion_merge #(
     localparam [4:0] WRITE   = 5'd17;  // writes it back
     localparam [4:0] SAY     = 5'd18;  // hands over a record
     localparam [4:0] WRITTEN = 5'd19;
+    localparam [4:0] BEGIN   = 5'd20;  // which of them stays?
 
     reg [4:0] state;
     reg [6:0] pause;       // a one for each clock until the state is gone on with
     reg       stored;
+    reg       own;            // the slot whose step it is, stays
+    reg       at_visible, goes_visible;
     reg       reads, unites;  // the one that goes is being read; the one that stays is
     wire      goes_on = !pause[0];
     wire      op_free = !op_valid || op_ready;
@@ -112,6 +115,9 @@ module motion_merge #(
         {keep, keep_now, keep_until, keep_window, say} <= 5'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
+        own          <= stays == this_slot;
+        at_visible   <= visible[at];
+        goes_visible <= visible[goes];
 
         pause <= {1'b0, pause[6:1]};
         if (goes_on) case (state)
@@ -123,14 +129,14 @@ module motion_merge #(
                 {op_clear, op_put, op_store, op_read} <= 4'b0010;
                 if (start) begin
                     rests <= 1'b0;
-                    pause <= clocks(3'd3);
-                    state <= GONE;
-                    if (stays == this_slot) begin
-                        op_valid <= 1'b1;
-                        keep     <= 1'b1;
-                        state    <= SAVE;
-                    end
+                    state <= BEGIN;
                 end
+            end
+            BEGIN: begin
+                op_valid <= own;
+                keep     <= own;
+                pause    <= own ? 7'd0 : clocks(3'd2);
+                state    <= own ? SAVE : GONE;
             end
             SAVE:
             if (stored) begin
@@ -160,7 +166,7 @@ module motion_merge #(
                 at       <= goes;
                 kind     <= `EVCOT_KIND_MERGED;
                 pause    <= clocks(3'd2);
-                state    <= visible[goes] ? SAY_END : END;
+                state    <= goes_visible ? SAY_END : END;
             end
             SAY_END:
             if (record_free) begin
@@ -229,7 +235,7 @@ module motion_merge #(
                 stored   <= 1'b0;
                 keep     <= 1'b1;
                 kind     <= `EVCOT_KIND_MOVED;
-                state    <= visible[at] ? SAY : WRITTEN;
+                state    <= at_visible ? SAY : WRITTEN;
             end
             SAY:
             if (record_free) begin

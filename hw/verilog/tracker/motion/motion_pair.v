@@ -4,7 +4,7 @@
 // One subtractor for velocities and one for boxes, of which the operands come one after the other. Velocities say along which axis the
 // one with more support moves; then boxes are compared, first on the axis across that motion, then along it.
 //
-// Latency:    21 clocks from start to done; inputs must stay until then.
+// Latency:    22 clocks from start to done; inputs must stay until then.
 // Throughput: a pair at a time.
 // Stall:      outputs stay until a clock after the next start.
 // Reset:      done is low until the next start has come through.
@@ -56,7 +56,7 @@ module motion_pair #(
     wire [15:0]           taken     = takes_own ? own_v : v;
     wire [15:0]           faster    = {1'b0, speed} - {1'b0, fast};
     wire                  slower    = faster[15];
-    wire signed [17:0]    most      = {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
+    reg  signed [17:0]    most;              // by how much they may differ
     wire signed [17:0]    over      = most - {between[16], between};
     wire signed [17:0]    under     = most + {between[16], between};
 
@@ -75,7 +75,7 @@ module motion_pair #(
     reg [3:0]              reach_down;
     reg                    abreast, close;      // of the last axis
     reg                    abreast_1, close_1;  // of the one across
-    reg [1:0]              last;
+    reg [2:0]              last;
 
     wire                   box_y      = leads_y == along;
     wire                   other_hi   = part[1] || part[3];
@@ -101,6 +101,7 @@ module motion_pair #(
         own_v    <= on_y ? one_v_y : one_v_x;
         speed    <= taken[15] ? -taken[14:0] : taken[14:0];
         between  <= {v[15], v} - {own_v[15], own_v};
+        most     <= {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
         agrees   <= !over[17] && !under[17];
         agrees_1 <= agrees;
         if (step[1] || (|step[4:2] && !slower)) fast <= speed;
@@ -126,7 +127,7 @@ module motion_pair #(
             reach_down <= reach_down - 4'd1;
         end
         waits <= part[5] || (waits && !judges);
-        last  <= {last[0], judges && along};
+        last  <= {last[1:0], judges && along};
         if (judges) begin
             abreast   <= !wider[GAP_W];
             close     <= !spare[GAP_W-1];
@@ -135,13 +136,13 @@ module motion_pair #(
             along     <= 1'b1;
         end
         if (start) along <= 1'b0;
-        if (last[1]) alike <= agrees && agrees_1 && ((abreast_1 && close) || (abreast && close_1));
-        done <= last[1];
+        if (last[2]) alike <= agrees && agrees_1 && ((abreast_1 && close) || (abreast && close_1));
+        done <= last[2];
 
         if (rst) begin
             step       <= 5'd0;
             part       <= 6'd0;
-            last       <= 2'd0;
+            last       <= 3'd0;
             waits      <= 1'b0;
             done       <= 1'b0;
             fast_down  <= 4'd0;

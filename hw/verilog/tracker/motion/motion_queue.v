@@ -69,6 +69,7 @@ module motion_queue #(
     // Negative before a step: of the token that comes to the output, and of the one that is there.
     wire [DUE_W-1:0]  until_step = next[X_W+Y_W+3+:DUE_W] - next_step[DUE_W-1:0];
     wire [DUE_W-1:0]  after_step = m_time[DUE_W-1:0] - next_step[DUE_W-1:0];
+    wire              before_step = holds ? after_step[DUE_W-1] : until_step[DUE_W-1];
 
     assign empty = !in_valid && !in_valid_2 && !any && !next_valid && !m_valid;
 
@@ -97,13 +98,12 @@ module motion_queue #(
         if (gives) begin
             m_valid <= next_valid;
             {m_time, m_event, m_skip, m_x, m_y, m_p} <= next;
-            m_due   <= next_valid && !until_step[DUE_W-1];
-            m_runs  <= next_valid && until_step[DUE_W-1];
         end
-        if (holds) begin
-            m_due  <= m_valid && !after_step[DUE_W-1];
-            m_runs <= m_valid && after_step[DUE_W-1];
+        if (gives || holds) begin
+            m_due  <= !before_step;
+            m_runs <= before_step;
         end
+        if (holds ? !m_valid : gives && !next_valid) {m_due, m_runs} <= 2'b00;
         if (rst) begin
             in_valid   <= 1'b0;
             in_time    <= {TIME_W{1'b0}};

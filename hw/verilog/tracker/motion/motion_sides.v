@@ -5,8 +5,9 @@
 // `lane` is high, for one clock, and holds for x, then for y. `ref` of a side is its place at the last correction, carried along by
 // steps, or after `reflect` how far the side is from there; after another one it is the place again.
 //
-// Latency:    from a command: 3 clocks to the sides of x in front, 2 to ref, 1 to the velocity, 3 after seed, one more for y; o_* show
-//             what is in front one clock later, side and sum three. After load, with which `lane` goes high, x is behind.
+// Latency:    from a command: 3 clocks to the sides of x in front, 2 to ref, 1 to the velocity; from seed 5 to the sides and the velocity;
+//             one more for y. o_* show what is in front one clock later, side and sum three. After load, with which `lane` goes high, x
+//             is behind.
 // Throughput: a command every second clock; shrink and shorten follow the sides, rub the velocity, as they were 4 clocks before, order
 //             and unite the differences of 2 clocks before.
 // Stall:      none, without a command everything stays.
@@ -80,10 +81,10 @@ module motion_sides #(
 
     // ---- commands, as the axis behind, then that in front has them -------------------------------------------------------
 
-    reg  seeded, shrinks, cuts_high, cuts_low, orders, unites, moves, shortens, turns, rubs;  // x had it, now y does
+    reg  seed_1, seed_2, seed_b;  // two clocks behind, for it comes from afar
+    reg  shrinks, cuts_high, cuts_low, orders, unites, moves, shortens, turns, rubs;  // x had it, now y does
     reg  reflects, settles, change_a;  // change_a: the axis in front takes the offset, or the place, for which ref is 0 there
     reg  is_y;              // the axis behind is y: not `lane`, which is for what lies outside
-    wire seed_b   = seed || seeded;
     wire shrink_b = shrink || shrinks;
     wire high_b   = on_y ? cuts_high : cut_high;
     wire low_b    = on_y ? cuts_low : cut_low;
@@ -95,7 +96,8 @@ module motion_sides #(
     wire rub_b    = rub || rubs;
 
     always @(posedge clk) begin
-        {seeded, shrinks, cuts_high, cuts_low, orders} <= {seed, shrink, cut_high, cut_low, order};
+        {seed_1, seed_2, seed_b} <= {seed, seed_1, seed_1 || seed_2};
+        {shrinks, cuts_high, cuts_low, orders} <= {shrink, cut_high, cut_low, order};
         {unites, moves, shortens, turns, rubs} <= {unite, move, shorten, turn, rub};
         {reflects, settles} <= {reflect, settle};
         change_a <= settle || settles || reflect || reflects;

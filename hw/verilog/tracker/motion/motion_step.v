@@ -86,7 +86,7 @@ module motion_step #(
     output reg               c_touch,
     output reg               c_meet,
     output reg               appear,
-    output reg               resume,       // with it: as what has left
+    output wire              resume,       // with it: as what has left
     output reg               lapse,
     output reg               leave,        // with it: it may return
     output reg               c_leave,      // and has its time
@@ -149,8 +149,10 @@ module motion_step #(
     reg [2:0]        places;         // box and window are asked for, when what follows from the lengths is there
     reg              reads;          // the slot whose step it is, is being read
     wire [N-1:0]     lives      = visible | candidate;
-    reg  [N-1:0]      taken;          // has a track, or one that may return; a clock late
+    reg  [N-1:0]     taken;          // has a track, or one that may return; a clock late
+    reg              at_left;        // the slot that is worked on has one that may return
     reg  [N-1:0]     others;         // that it may be compared with
+    reg  [N-1:0]     ahead;          // of these, `other` and those behind it
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
     reg              is_visible;     // the slot whose step it is,
     reg              young;          // and it has less than four corrections
@@ -162,6 +164,7 @@ module motion_step #(
 
     assign this_slot = slot[SLOT_W-1:0];
     assign load      = reads;
+    assign resume    = appear && back;
 
     // As many ones as clocks until the state is gone on with.
     function [6:0] clocks;
@@ -172,7 +175,7 @@ module motion_step #(
     always @(posedge clk) begin
         {c_reflect, c_move, c_rub, c_shorten, c_compare, c_pair, c_part, c_take, c_divide} <= 9'd0;
         {c_window, places} <= {places, 1'b0};
-        {c_ask, c_meet, merge, appear, resume, lapse, leave, c_leave, say, keep, keep_now, keep_until, keep_window} <= 13'd0;
+        {c_ask, c_meet, merge, appear, lapse, leave, c_leave, say, keep, keep_now, keep_until, keep_window} <= 12'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
         shortened <= c_shorten;
@@ -180,8 +183,9 @@ module motion_step #(
         departs    <= may_return && !alone;
         is_visible <= visible[this_slot];
         other_visible <= visible[this_other];
-        stayed <= stays == this_slot;
-        taken  <= lives | left;
+        stayed  <= stays == this_slot;
+        taken   <= lives | left;
+        at_left <= left[at];
         young      <= corrections < 6'd4;
         others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
 
@@ -234,7 +238,7 @@ module motion_step #(
                 pause     <= !over && !alone ? 7'd0 : clocks(3'd4);
                 state     <= !over && !alone ? MOVE : is_visible ? SAY : LAPSE;
                 c_leave   <= 1'b1;  // of use if it leaves
-                if (!over && !alone && left[at]) begin
+                if (!over && !alone && at_left) begin
                     slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
                     pause <= 7'd0;
                     state <= NEXT;
@@ -277,15 +281,16 @@ module motion_step #(
             end
 
             SCAN: begin
-                at <= this_slot;
+                at <= this_other;
                 if (other == SLOTS[SLOT_W:0]) begin
                     c_part <= 1'b1;
+                    at     <= this_slot;
                     state  <= MEET;
-                end else if (others[this_other]) begin
-                    at    <= this_other;
-                    state <= COMPARE;
+                end else if (ahead[0]) state <= COMPARE;
+                else begin
+                    other <= other + {{SLOT_W{1'b0}}, 1'b1};
+                    ahead <= ahead >> 1;
                 end
-                other <= other + {{SLOT_W{1'b0}}, !others[this_other]};
             end
             COMPARE: begin
                 op_valid <= 1'b1;
@@ -301,7 +306,10 @@ module motion_step #(
             if (pair_done) begin
                 c_pair <= alike;
                 since  <= SEEDED;
-                other  <= other + {{SLOT_W{1'b0}}, !alike};
+                if (!alike) begin
+                    other <= other + {{SLOT_W{1'b0}}, 1'b1};
+                    ahead <= ahead >> 1;
+                end
                 pause  <= alike ? clocks(3'd3) : 7'd0;
                 state  <= alike ? YOUNGER : SCAN;
             end
@@ -406,7 +414,6 @@ module motion_step #(
                     at    <= this_slot;
                 end else if (back || (appears && !returns)) begin
                     appear <= 1'b1;
-                    resume <= back;
                     pause  <= clocks(3'd4);
                     state  <= SAY;
                 end else if (appears) begin
@@ -442,7 +449,10 @@ module motion_step #(
 
         // Where they begin: not in a state, so that a reset of a flip-flop need not wait for what decides there.
         if (rests) slot <= {1'b0, end_life ? end_slot : {SLOT_W{1'b0}}};
-        if (places[0]) other <= young ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
+        if (places[0]) begin
+            other <= young ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
+            ahead <= others;
+        end
 
         if (rst) begin
             state    <= REST;

@@ -4,7 +4,8 @@
 // Four times of each slot: of its last correction, its deadline, of its seed and of its last record. One is read, or written, at once.
 // Ages are compared with sign: a deadline in the future is one that is negative.
 //
-// Latency:    4 clocks from `at`, `since` or `now` to age, 5 to the rest; 6 and life_log2 from `grants` to the deadline.
+// Latency:    4 clocks from `at`, `since` or `now` to age, 5 to the rest; 6 and life_log2 from `grants` to the deadline; a clock
+//             from the last half of an age to `enough` and `overdue`, with which `dividing` falls.
 // Throughput: an age per clock.
 // Stall:      none.
 // Reset:      nothing is under way. Times are not reset.
@@ -25,7 +26,8 @@ module motion_times #(
     input  wire [TIME_W-1:0] now,
     output reg  [TIME_W-1:0] age,        // of that time
     output wire              ended,      // it is not in the future
-    output reg  [23:0]       ticks,      // age, from 1 to 2^24 - 1
+    output reg  [23:0]       ticks,      // age, from 1 to 2^24 - 1, which it becomes a clock later if age is
+    output reg               beyond,     // beyond
     output reg               silent,     // for more than twice the usual time
 
     // the usual time between corrections, and the deadline that follows
@@ -61,8 +63,9 @@ module motion_times #(
     wire [PLACE_W-1:0] place = {{(PLACE_W - SLOT_W) {1'b0}}, at} | ({{(PLACE_W - 2) {1'b0}}, since} << SLOT_W);
     wire [TIME_W-1:0] then;
     reg  [TIME_W-1:0] deadline, other;
+    reg               many;  // more than 16 bits of other
     reg  [5:0]        left;
-    reg               grants, grows, limits, chooses, adds;
+    reg               grants, grows, limits, chooses, adds, divides;
     reg               over, shorter, longer;  // 24 bits; less than life_ticks; more than coast_ticks
     reg  [3:0]        grow_left;
     reg  [23:0]       grant, granted;
@@ -87,7 +90,8 @@ module motion_times #(
 
     always @(posedge clk) begin
         age    <= now - then;
-        ticks  <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
+        beyond <= |age[TIME_W-1:24];
+        ticks  <= age[23:0] | {24{beyond}} | {23'd0, age[23:1] == 23'd0};
         silent <= |age[TIME_W-1:25] || {usual, 1'b0} < age[24:0];
 
         slower_by <= {1'b0, ticks} - {1'b0, usual};
@@ -119,17 +123,19 @@ module motion_times #(
 
         if (take) other <= age;
         if (divide) begin
-            left     <= down;
-            dividing <= 1'b1;
+            left    <= down;
+            divides <= 1'b1;
         end
-        if (dividing) begin
+        if (divides) begin
             left <= left - 6'd1;
             if (left != 6'd0) other <= {1'b0, other[TIME_W-1:1]};
-            else dividing <= 1'b0;
+            else divides <= 1'b0;
         end
+        dividing <= divide || divides;
         older   <= ahead[TIME_W];
-        enough  <= together >= {6'd0, join_steps} && (|other[TIME_W-1:16] ? &together : together >= other[15:0]);
-        overdue <= |other[TIME_W-1:10] || other[9:0] >= report_steps;
+        many    <= |other[TIME_W-1:16];
+        enough  <= together >= {6'd0, join_steps} && (many ? &together : together >= other[15:0]);
+        overdue <= many || other[15:0] >= {6'd0, report_steps};
 
         if (rst) begin
             grants   <= 1'b0;
@@ -137,6 +143,7 @@ module motion_times #(
             limits   <= 1'b0;
             chooses  <= 1'b0;
             adds     <= 1'b0;
+            divides  <= 1'b0;
             dividing <= 1'b0;
         end
     end

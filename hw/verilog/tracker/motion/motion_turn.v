@@ -82,13 +82,13 @@ module motion_turn #(
     reg               drained;
     reg               open;       // a token may come: there is room, no bubble, and no life must end
     reg  [N-1:0]      restart;    // `mode` was written
-    reg               restarts;
-    reg               restep_1, restep_2, restep;  // step_log2 was written, or reset: the next step is set
+    reg               restarts, must_end;
+    reg               restep_1, restep_2, restep_3, restep;  // step_log2 was written, or reset: the next step is set
     reg  [19:0]       step_mask;  // from a multiple of a step's length, or a time behind it, to the last tick before the next one
     wire              any_restart;
     wire [SLOT_W-1:0] lowest_restart;
-    wire [TIME_W-1:0] step_from = restep ? now : next_step;
-    wire              stop      = restarts || q_due;  // all that waits comes first
+    reg  [TIME_W-1:0] step_end;   // the last tick before the next step but one, or with `restep` before the next
+    wire              stop      = must_end || q_due;  // all that waits comes first
     wire              starts    = drained;                         // which it has: nothing can have come since
 
     assign op_ready    = !bubble;
@@ -96,10 +96,10 @@ module motion_turn #(
     assign takes_put   = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
     assign takes_token = open && !op_beside && !reached && q_runs;
     assign issues      = takes_token && q_counts;
-    assign ends_life   = starts && restarts;
-    assign steps       = starts && !restarts;
+    assign ends_life   = starts && must_end;
+    assign steps       = starts && !must_end;
     assign puts_slot   = put_busy ? putting : put_slot;
-    assign quiet       = state == RUN && !reached && !put_busy && !wrote && !any_restart && !restarts && !restep_1 && !restep_2 && !restep;
+    assign quiet       = state == RUN && !reached && !put_busy && !wrote && !any_restart && !restarts && !must_end && !restep_1 && !restep_2 && !restep_3 && !restep;
 
     array_lowest #(
         .N     (N),
@@ -136,7 +136,7 @@ module motion_turn #(
 
     always @(posedge clk) begin
         bubble   <= (takes_op && op_writes) || takes_put;
-        open     <= room && state == RUN && !(takes_op && op_writes) && !takes_put && !any_restart;  // `stop` lasts for a clock longer
+        open     <= room && state == RUN && !(takes_op && op_writes) && !takes_put && !restarts;  // `stop` lasts for a clock longer
         if (takes_put) put_busy <= 1'b1;
         if (!put_busy) putting <= put_slot;
         if (put_done) put_busy <= 1'b0;
@@ -165,13 +165,16 @@ module motion_turn #(
         endcase
 
         restarts <= any_restart;
+        must_end <= restarts;
         end_slot <= lowest_restart;
 
         step_mask <= ~(20'hfffff << step_log2);
         restep_1  <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
         restep_2  <= restep_1;  // step_mask follows
-        restep    <= restep_2;
-        if (steps || restep) next_step <= (step_from | {{(TIME_W - 20) {1'b0}}, step_mask}) + {{(TIME_W - 1) {1'b0}}, 1'b1};
+        restep_3  <= restep_2;
+        restep    <= restep_3;
+        step_end  <= (restep_3 ? now : next_step) | {{(TIME_W - 20) {1'b0}}, step_mask};
+        if (steps || restep) next_step <= step_end + {{(TIME_W - 1) {1'b0}}, 1'b1};
 
         if (rst) begin
             state    <= RUN;
@@ -184,8 +187,10 @@ module motion_turn #(
             following <= 8'd1;
             now      <= {TIME_W{1'b0}};
             restarts <= 1'b0;
+            must_end <= 1'b0;
             restep_1 <= 1'b1;
             restep_2 <= 1'b1;
+            restep_3 <= 1'b1;
             restep   <= 1'b1;
         end
     end

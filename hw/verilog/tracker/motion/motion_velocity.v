@@ -54,7 +54,8 @@ module motion_velocity #(
     reg [13:0]               begun;
     reg signed [OFF_W-1:0]   low_1, high_1;
     reg signed [D_W-1:0]     both_1, way_2, way_3, way_4, way_5;
-    reg                      low_rises, high_rises, low_less;
+    reg  [1:0]               low_any, high_any;  // it is not 0: by its halves
+    reg                      low_less;
     reg signed [P_W-1:0]     product;
     reg signed [A_W-1:0]     part_9;
     reg signed [B_W-1:0]     part_10, change;
@@ -63,6 +64,8 @@ module motion_velocity #(
     reg signed [17:0]        sum;
     reg                      above, below;  // what sum_13 comes from is beyond a limit
 
+    wire                  low_rises  = !low_1[OFF_W-1] && |low_any;
+    wire                  high_rises = !high_1[OFF_W-1] && |high_any;
     wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
     wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
     wire [A_W+47:0]       wide_8   = {{(A_W + 40 - P_W) {sign_8}}, product, 8'd0};
@@ -108,8 +111,8 @@ module motion_velocity #(
         high_1     <= high;
         both_1     <= {low[OFF_W-1], low} + {high[OFF_W-1], high};
         low_less   <= less[D_W-1];
-        low_rises  <= !low[OFF_W-1] && |low;
-        high_rises <= !high[OFF_W-1] && |high;
+        low_any    <= {|low[OFF_W-1:13], |low[12:0]};
+        high_any   <= {|high[OFF_W-1:13], |high[12:0]};
 
         way_2 <= !slower ? both_1 : low_rises != high_rises ? {D_W{1'b0}} : shorter;
 

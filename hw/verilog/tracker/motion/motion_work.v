@@ -290,6 +290,7 @@ module motion_work #(
     wire [4*SIDE_W-1:0] refs, q_refs;
     wire [2*SIDE_W+1:0] q_start;
     wire [23:0]         usual, q_usual, ticks;
+    wire                beyond;
     wire [TIME_W-1:0]   age;
     wire [SIDE_W:0]     sum_lane, ref_lo, ref_hi;
     wire [15:0]         v_lane, v_next, together;
@@ -444,6 +445,7 @@ module motion_work #(
         .age         (age),
         .ended       (ended),
         .ticks       (ticks),
+        .beyond      (beyond),
         .silent      (silent),
         .load        (c_loads),
         .loaded      (q_usual),
@@ -502,6 +504,7 @@ module motion_work #(
         .rst    (rst),
         .start  (c_invert),
         .number (ticks),
+        .beyond (beyond),
         .goes_on(inverse_goes_on),
         .leading(leading),
         .inverse(inverse)

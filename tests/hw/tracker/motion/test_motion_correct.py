@@ -159,7 +159,7 @@ def test_random_jobs(stalls: bool) -> None:
         clocks.setdefault(kind, set()).add(took)
         kinds.add((kind, job.visible))
     assert len(kinds) == 6
-    for kind, (least, most) in {"correction": (27, 48), "look": (55, 224), "seed": (35, 36)}.items():
+    for kind, (least, most) in {"correction": (27, 48), "look": (55, 224), "seed": (37, 38)}.items():
         assert stalls or (least <= min(clocks[kind]) and max(clocks[kind]) <= most)
     said = {word for job in done for word in work_of(job)}
     assert {f"{name} {on_y}" for name in ("look", "c_cut_high", "c_cut_low", "c_order") for on_y in (0, 1)} < said

@@ -62,7 +62,7 @@ def test_random_pairs() -> None:
         while not int(io.done):
             sim.clock.tick()
             clocks += 1
-        assert clocks == 21
+        assert clocks == 22
         expected = {
             "alike": one.moves_with(other) and one.is_one_with(other),
             "weaker": one.support < other.support,

@@ -56,7 +56,7 @@ def test_corrections_and_the_deadline(part: Any) -> None:
         io.loaded = min(age, (1 << 24) - 1) if rng.random() < 0.5 else int(rng.integers(1 << 24)) >> int(rng.integers(24))
         pulse("load", clocks=6)
         ticks = max(1, min(age, (1 << 24) - 1))
-        assert (int(io.age), int(io.ticks), int(io.ended)) == (age, ticks, 1)
+        assert (int(io.age), int(io.ticks), int(io.ended), int(io.beyond)) == (age, ticks, 1, int(age >= 1 << 24))
         assert int(io.silent) == (age > 2 * int(io.loaded))
         io.first = int(rng.integers(2))
         usual = usual_of(int(io.loaded), ticks, bool(io.first))

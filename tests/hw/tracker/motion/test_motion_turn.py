@@ -71,7 +71,7 @@ def test_random_traffic(seed: int) -> None:
             io.cfg_valid, io.cfg_addr, io.cfg_slot, io.cfg_mode = 1, MODE, int(rng.integers(N)), int(rng.integers(2))
         elif settled == 0 and int(io.quiet) and around.nothing and not stepping and rng.random() < 0.2:
             io.cfg_valid, io.cfg_addr, step_log2 = 1, STEP_LOG2, int(rng.integers(9))
-            settled = 9
+            settled = 10
         if clock % 200 < 150 and not around.token and settled <= 4 and not stepping and rng.random() < 0.5:
             around.token, around.counts, around.time = True, rng.random() < 0.8, around.time + int(rng.integers(20))
             around.due = around.time >= next_step
@@ -94,7 +94,7 @@ def test_random_traffic(seed: int) -> None:
         # ---- what it says
         took = {name: bool(int(io[f"takes_{name}"])) for name in ("op", "put", "token")}
         step, end = bool(int(io.steps)), bool(int(io.ends_life))
-        ending = {slot: since for slot, since in restarts.items() if since <= clock - 2}
+        ending = {slot: since for slot, since in restarts.items() if since <= clock - 3}
         stop = bool(ending) or (around.token and around.due)
         assert int(io.op_ready) == (not writes)
         assert took["op"] == (bool(around.op) and not writes)
@@ -116,7 +116,7 @@ def test_random_traffic(seed: int) -> None:
         assert int(io.seeded) == sum(1 << i for i in range(N) if seeded[i])
         assert settled > 5 or int(io.next_step) == next_step
         under_way = stepping or reached or put_busy or restarts or written
-        assert not int(io.quiet) or not (under_way or 5 < settled < 9)
+        assert not int(io.quiet) or not (under_way or 5 < settled < 10)
         quiet_since = 0 if under_way or settled > 5 else quiet_since + 1
         assert int(io.quiet) or quiet_since < 3
         for name, happens in (*took.items(), ("step", step), ("end", end), ("reached", reached), ("over", over)):
