@@ -41,9 +41,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--patience", type=float, default=PATIENCE_MIN, metavar="MINUTES", help="that a seed may take (default: %(default)g)"
     )
-    parser.add_argument(
-        "--effort", action="store_true", help="place and route for speed, several times as long; neither recorded nor compared"
-    )
     parser.add_argument("--record", action="store_true", help="write the figures into hw/fpga/figures.json and docs/fpga.md")
     parser.add_argument("--release", action="store_true", help="write build/release: one file, IP-XACT, constraints")
     parser.add_argument("--check", action="store_true", help="compare with hw/fpga/figures.json; exit code 1 when worse")
@@ -76,8 +73,6 @@ def _cases(options: argparse.Namespace) -> list[Case]:
             raise ConfigError(f"--{name} {value}: must be at least {least}")
     if not 0 < options.patience <= 10_000:
         raise ConfigError(f"--patience {options.patience:g}: must be more than 0, at most 10,000 minutes")
-    if options.effort and (options.record or options.check):
-        raise ConfigError("--effort: must not be used with --record or --check: all recorded figures are without it")
     devices = options.device or (DEVICES if options.all else _USUAL_DEVICES)
     for name in devices:
         if name not in DEVICES:
@@ -88,8 +83,7 @@ def _cases(options: argparse.Namespace) -> list[Case]:
             return (None,)
         return options.n or (module.sizes if options.all else module.usual)
 
-    targets = [DEVICES[name].with_effort() if options.effort else DEVICES[name] for name in devices]
-    return [Case(module, n, device) for module in chosen(options.modules) for n in sizes(module) for device in targets]
+    return [Case(module, n, DEVICES[name]) for module in chosen(options.modules) for n in sizes(module) for name in devices]
 
 
 def _measure(options: argparse.Namespace) -> int:

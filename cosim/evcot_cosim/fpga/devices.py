@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 
 __all__ = ["DEVICES", "Device", "Resources"]
@@ -35,10 +35,6 @@ class Resources:
         return Resources(**{name: value * count for name, value in asdict(self).items()})
 
 
-# nextpnr's: timing decides more of the placement, and what is on a path that is too long is routed again.
-_EFFORT = ("--tmg-ripup", "--placer-heap-timingweight", "30")
-
-
 @dataclass(frozen=True)
 class Device:
     """One FPGA.
@@ -60,10 +56,6 @@ class Device:
     capacity: Resources | None = None
     placement: tuple[str, ...] = ()
     own: str = ""
-
-    def with_effort(self) -> Device:
-        """The same FPGA, placed and routed for speed, which takes several times as long."""
-        return replace(self, placement=(*self.placement, *_EFFORT)) if self.placement else self
 
     def count(self, cells: Mapping[str, int]) -> Resources:
         """The resources of a number of cells of each type; types that are not in the table count as nothing."""

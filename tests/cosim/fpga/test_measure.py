@@ -76,18 +76,6 @@ def test_a_case_is_placed_once_per_seed(tmp_path: Path) -> None:
     assert {path.name: path.stat().st_mtime_ns for path in done.folder.iterdir()} == kept
 
 
-def test_effort_is_another_placement_of_the_same_netlist(tmp_path: Path) -> None:
-    done = synthesise(SMALL, tmp_path)
-    more = synthesise(replace(SMALL, device=SMALL.device.with_effort()), tmp_path)
-    assert more.key == done.key
-    usual = place(done, 1)
-    kept = set(done.folder.iterdir())
-    assert place(more, 1)[0] is not None
-    assert len(set(done.folder.iterdir()) - kept) == 1
-    assert place(done, 1) == usual
-    assert DEVICES["xilinx7"].with_effort() == DEVICES["xilinx7"]  # there is nothing that places
-
-
 def test_what_does_not_fit_is_a_result(tmp_path: Path) -> None:
     tiny = replace(SMALL.device, capacity=Resources(luts=5, ffs=5_280, block_rams=30))
     done = synthesise(replace(SMALL, device=tiny), tmp_path)
@@ -191,8 +179,6 @@ def test_a_tool_that_dies_without_a_word_is_told_by_its_code(tmp_path: Path, mon
         (["cot", "--seeds", "-1"], "--seeds -1: must be at least 0"),
         (["cot", "--patience", "0"], "--patience 0: must be more than 0, at most 10,000 minutes"),
         (["cot", "--patience", "inf"], "--patience inf: must be more than 0, at most 10,000 minutes"),
-        (["cot", "--effort", "--record"], "--effort: must not be used with --record or --check: "),
-        (["cot", "--effort", "--check"], "--effort: must not be used with --record or --check: "),
     ],
 )
 def test_a_wrong_argument_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
