@@ -4,8 +4,8 @@
 // Four times of each slot: of its last correction, its deadline, of its seed and of its last record. One is read, or written, at once.
 // Ages are compared with sign: a deadline in the future is one that is negative.
 //
-// Latency:    4 clocks from `at`, `since` or `now` to age, 5 to the rest; 6 and life_log2 from `grants` to the deadline; a clock
-//             from the last half of an age to `enough` and `overdue`, with which `dividing` falls.
+// Latency:    4 clocks from `at`, `since` or `now` to age, 5 to the rest; 6 and life_log2 from `grants` to the deadline;
+//             `enough` and `overdue` are there when `dividing` falls.
 // Throughput: an age per clock.
 // Stall:      none.
 // Reset:      nothing is under way. Times are not reset.
@@ -26,8 +26,8 @@ module motion_times #(
     input  wire [TIME_W-1:0] now,
     output reg  [TIME_W-1:0] age,        // of that time
     output wire              ended,      // it is not in the future
-    output reg  [23:0]       ticks,      // age, from 1 to 2^24 - 1, which it becomes a clock later if age is
-    output reg               beyond,     // beyond
+    output reg  [23:0]       ticks,      // age, at least 1; if that has more than 24 bits, 2^24 - 1 a clock later
+    output reg               beyond,     // it has
     output reg               silent,     // for more than twice the usual time
 
     // the usual time between corrections, and the deadline that follows
@@ -63,7 +63,7 @@ module motion_times #(
     wire [PLACE_W-1:0] place = {{(PLACE_W - SLOT_W) {1'b0}}, at} | ({{(PLACE_W - 2) {1'b0}}, since} << SLOT_W);
     wire [TIME_W-1:0] then;
     reg  [TIME_W-1:0] deadline, other;
-    reg               many;  // more than 16 bits of other
+    reg               many;  // other has more than 16 bits
     reg  [5:0]        left;
     reg               grants, grows, limits, chooses, adds, divides;
     reg               over, shorter, longer;  // 24 bits; less than life_ticks; more than coast_ticks

@@ -99,7 +99,8 @@ module motion_turn #(
     assign ends_life   = starts && must_end;
     assign steps       = starts && !must_end;
     assign puts_slot   = put_busy ? putting : put_slot;
-    assign quiet       = state == RUN && !reached && !put_busy && !wrote && !any_restart && !restarts && !must_end && !restep_1 && !restep_2 && !restep_3 && !restep;
+    assign quiet       = state == RUN && !reached && !put_busy && !wrote && !any_restart && !restarts && !must_end
+                      && !restep_1 && !restep_2 && !restep_3 && !restep;
 
     array_lowest #(
         .N     (N),
