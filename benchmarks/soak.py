@@ -94,8 +94,12 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--run", type=int, help="only this run, of --length events")
     parser.add_argument("--length", type=int, default=_FIRST, help="events of --run (default: %(default)s)")
     options = parser.parse_args()
-    if options.jobs < 1:
-        parser.error(f"--jobs {options.jobs}: must be at least 1")
+    for name, least in (("events", 1), ("seed", 0), ("jobs", 1), ("run", 0)):
+        value = getattr(options, name)
+        if value is not None and value < least:
+            parser.error(f"--{name} {value}: must be at least {least}")
+    if not 0 < options.seconds <= 86_400:
+        parser.error(f"--seconds {options.seconds:g}: must be more than 0, at most 86,400")
     if options.length <= ALONE:
         parser.error(f"--length {options.length}: must be more than {ALONE}")
     return options

@@ -15,7 +15,7 @@ module motion_inverse (
 
     input  wire        start,
     input  wire [23:0] number,    // at least 1
-    input  wire        beyond,    // told a clock after start: it is 2^24 - 1 instead
+    input  wire        beyond,    // in the clock after start: the number is 2^24 - 1 instead
     output wire        goes_on,   // in the next clock the leading bit is still looked for
     output reg  [4:0]  leading,   // position of the leading bit
     output reg  [6:0]  inverse    // round(1024 / (8.5 + m)), m the three bits below it

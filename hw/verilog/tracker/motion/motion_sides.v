@@ -81,7 +81,7 @@ module motion_sides #(
 
     // ---- commands, as the axis behind, then that in front has them -------------------------------------------------------
 
-    reg  seed_1, seed_2, seed_b;  // two clocks behind, for it comes from afar
+    reg  seed_1, seed_2, seed_b;  // two clocks late: its wire is long
     reg  shrinks, cuts_high, cuts_low, orders, unites, moves, shortens, turns, rubs;  // x had it, now y does
     reg  reflects, settles, change_a;  // change_a: the axis in front takes the offset, or the place, for which ref is 0 there
     reg  is_y;              // the axis behind is y: not `lane`, which is for what lies outside
