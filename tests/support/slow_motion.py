@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from evcot.hardware.motion.contract import MotionRegisters
-from evcot.tracks.log import Kind
+from evcot.tracks.log import DROPPED, Kind
 
 __all__ = ["SlowArray"]
 
@@ -325,7 +325,8 @@ class SlowArray:
         self.seeded: Slot | None = None  # has begun, and is not in force
         self.next_step = 2**registers.step_log2
 
-    def event(self, now: int, x: int, y: int) -> None:
+    def event(self, now: int, x: int, y: int, kept: bool = True) -> None:
+        """The next event; one that a filter took out advances time and the count."""
         while self.next_step <= now:
             self._put_in_force(None)
             for i in range(len(self.slots)):
@@ -333,6 +334,9 @@ class SlowArray:
                 if slot is not None:
                     self._step(slot, self.next_step)
             self.next_step += 2**self.r.step_log2
+        if not kept:
+            self.owners.append(DROPPED)
+            return
         number = len(self.owners)
         self._put_in_force(number)
         slot, shared = self._owner(now, (x, y))

@@ -19,7 +19,7 @@ from ..events import Events, Recording
 from ..filters.base import EventFilter
 from ..filters.chain import FilterChain
 from ..ticks import TickCounter, TickedEvents
-from ..tracks.log import TRACK, Kind, TrackLog
+from ..tracks.log import DROPPED, TRACK, Kind, TrackLog
 from ..tracks.tracking import TrackerOutput, log_of
 from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise, rewrite
 from .config import CotConfig, SlotConfig
@@ -105,11 +105,12 @@ class CotModel:
                 raise ConfigError("a model with filters decides itself which events stay")
             keep = self._filters.feed(events)
         keep = _ALL if keep is None else events.mask(keep)
-        owner = np.empty(n, np.int16)
+        owner = np.full(n, DROPPED, np.int16)
         rel_x = np.zeros(n, np.uint16)
         rel_y = np.zeros(n, np.uint16)
         if self._motion is not None:
-            return Decisions(self._motion.feed(events, keep, owner, rel_x, rel_y), owner, rel_x, rel_y)
+            kept = np.arange(n) if keep is _ALL else np.flatnonzero(keep)
+            return Decisions(self._motion.feed(events, kept, owner, rel_x, rel_y), owner, rel_x, rel_y)
         per_event_max = 3 * self.config.shape.n_slots
         parts: list[NDArray[np.void]] = []
         done = 0

@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from ..._numba_private import step
-from ...tracks.log import DROPPED
 from ._gaps import count_in_bins
 from ._lives import LOST, MOVED, appears, correct, name, record, seed
 from ._meetings import absorbed, hide_sides, join
 from ._owner import find
-from ._places import OF_STATE, alone, enter, renew, withdraw
+from ._places import OF_STATE, alone, enter, move, renew
 from ._sides import measure
 from ._state import (
     CANDIDATE,
@@ -79,13 +79,15 @@ def _put_in_force(s: Table, glob: Table, places: Table, upto: int) -> None:
     for i in range(s.shape[0]):
         if s[i, WAITS]:
             if s[i, WAITS] <= upto:
-                withdraw(s, places, i)
-                take_window(s, i)
-                enter(s, places, i)
+                if glob[SEEDING] == i:
+                    take_window(s, i)
+                    enter(s, places, i)
+                    glob[SEEDING] = -1
+                else:
+                    move(s, places, i)
+                    take_window(s, i)
                 s[i, COUNT] = 0
                 s[i, WAITS] = 0
-                if glob[SEEDING] == i:
-                    glob[SEEDING] = -1
             else:
                 glob[IN_FORCE] = min(glob[IN_FORCE], s[i, WAITS])
 
@@ -183,15 +185,33 @@ def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) 
 
 
 @step
+def _first_at(ticks: Table, low: int, high: int, tick: int) -> int:
+    """The first event from `low` on, at most `high`, that is at this tick or later; `high` is."""
+    while low < high:
+        middle = (low + high) >> 1
+        if ticks[middle] < tick:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@step
 def _steps(
-    s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table, now: int, out: Table, n: int
+    s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table,
+    ticks: Table, before: int, e: int, out: Table, n: int,
 ) -> int:  # fmt: skip
-    """All motion steps up to `now`, or fewer if `out` could overflow; returns the new number of records."""
+    """All motion steps up to event e of a run, or fewer if `out` could overflow; returns the new number of records.
+
+    Each comes before the first event that is not earlier, whether that was kept or not; `before` is the number of all events
+    before the run.
+    """
     room = RECORDS_PER_SLOT * s.shape[0]
-    while glob[NEXT_STEP] <= now and n + room <= len(out):
+    while glob[NEXT_STEP] <= ticks[e] and n + room <= len(out):
         if not _lives(s):  # steps in which nothing happens, however many
-            glob[NEXT_STEP] += (((now - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
+            glob[NEXT_STEP] += (((ticks[e] - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
             break
+        glob[SEQ] = before + _first_at(ticks, glob[SEQ] - before, e, glob[NEXT_STEP])
         n = _step(s, r, lim, glob, places, out, n)
     renew(s, places, modes)
     return n
@@ -218,42 +238,49 @@ def _correct(s: Table, r: Table, glob: Table, i: int, now: int, out: Table, n: i
 @njit(cache=True, nogil=True)
 def feed(
     s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table,
-    ticks: Table, xs: Table, ys: Table, keep: Table, owner: Table, rel_x: Table, rel_y: Table, out: Table,
+    ticks: Table, xs: Table, ys: Table, kept: Table, done: int, owner: Table, rel_x: Table, rel_y: Table, out: Table,
 ) -> tuple[int, int]:  # fmt: skip
-    """Process events until all are done or `out` could overflow; returns (events done, records written).
+    """Process a run of events, of which so many are done, to its end or until `out` could overflow.
 
-    Events whose entry in `keep` is false only advance time and the event count; an empty `keep` keeps all. `rel_x` and `rel_y`
-    hold zeros and are filled in where an event has an owner.
+    `kept` are the numbers of those events that no filter took out, in order; the others only advance time and the event count.
+    `owner`, `rel_x` and `rel_y` are filled in for events that are kept; the last two hold zeros, which stay without an owner.
+
+    Returns:
+        Events done and records written.
     """
     n = 0
-    all_kept = len(keep) == 0
-    for e in range(len(ticks)):
+    before = glob[SEQ] - done
+    for k in range(np.searchsorted(kept, done), len(kept) + 1):
+        e = kept[k] if k < len(kept) else len(ticks) - 1  # in the end time has come to the last event, kept or not
         now = ticks[e]
         if glob[NEXT_STEP] <= now:
-            n = _steps(s, r, lim, glob, modes, places, now, out, n)
-        if n == len(out) or glob[NEXT_STEP] <= now:
+            n = _steps(s, r, lim, glob, modes, places, ticks, before, e, out, n)
+            if glob[NEXT_STEP] <= now:
+                return glob[SEQ] - before, n
+        if k == len(kept):
+            break
+        glob[SEQ] = before + e
+        if n == len(out):
             return e, n
-        glob[NOW] = now
-        if all_kept or keep[e]:
-            if glob[SEQ] >= glob[IN_FORCE]:
-                _put_in_force(s, glob, places, glob[SEQ])
-            x = int(xs[e])
-            y = int(ys[e])
-            i, shared, seeds = find(places, x, y)
-            if i >= 0 and not seeds:
-                owner[e] = i
-                rel_x[e] = (x - s[i, WIN_LO_X]) & lim[REL_MASK]
-                rel_y[e] = (y - s[i, WIN_LO_Y]) & lim[REL_MASK]
-                if _take(s, r, lim, i, x, y, shared):
-                    n = _correct(s, r, glob, i, now, out, n)
-            elif i >= 0 and glob[SEEDING] < 0:
-                _seed(s, r, glob, places, i, x, y, now)
-                owner[e] = i
-                rel_x[e] = (x - s[i, NEXT_WIN_LO_X]) & lim[REL_MASK]
-                rel_y[e] = (y - s[i, NEXT_WIN_LO_Y]) & lim[REL_MASK]
-            else:
-                owner[e] = NOBODY
+        if glob[SEQ] >= glob[IN_FORCE]:
+            _put_in_force(s, glob, places, glob[SEQ])
+        x = int(xs[e])
+        y = int(ys[e])
+        i, shared, seeds = find(places, x, y)
+        if i >= 0 and not seeds:
+            owner[e] = i
+            rel_x[e] = (x - s[i, WIN_LO_X]) & lim[REL_MASK]
+            rel_y[e] = (y - s[i, WIN_LO_Y]) & lim[REL_MASK]
+            if _take(s, r, lim, i, x, y, shared):
+                n = _correct(s, r, glob, i, now, out, n)
+        elif i >= 0 and glob[SEEDING] < 0:
+            _seed(s, r, glob, places, i, x, y, now)
+            owner[e] = i
+            rel_x[e] = (x - s[i, NEXT_WIN_LO_X]) & lim[REL_MASK]
+            rel_y[e] = (y - s[i, NEXT_WIN_LO_Y]) & lim[REL_MASK]
         else:
-            owner[e] = DROPPED
+            owner[e] = NOBODY
         glob[SEQ] += 1
+    glob[NOW] = ticks[-1]
+    glob[SEQ] = before + len(ticks)
     return len(ticks), n

@@ -16,6 +16,7 @@ from ._state import (
     BOX_LO_Y,
     CANDIDATE,
     LEFT,
+    NEXT_BOX_LO_X,
     STATE,
     VISIBLE,
     WIN_HI_X,
@@ -25,7 +26,7 @@ from ._state import (
     Table,
 )
 
-__all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "enter", "extent", "renew", "withdraw"]
+__all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "enter", "extent", "move", "renew"]
 
 # Rows of the table: the slots whose window, or whose box, covers each column or row; in the last one those in each state.
 WIN_X, WIN_Y, BOX_X, BOX_Y, OF_STATE = range(5)
@@ -47,30 +48,42 @@ def alone(i: int) -> Any:
 
 
 @step
-def _reach(sets: Table, lowest: int, highest: int, with_slot: Any, but_slot: Any) -> None:
-    """Put a slot into the sets from the lowest to the highest column or row, or take it out of them."""
+def _join(sets: Table, lowest: int, highest: int, slot: Any) -> None:
+    """Put a slot into the sets from the lowest to the highest column or row."""
     for k in range(max(lowest, 0), min(highest + 1, len(sets))):
-        sets[k] = (sets[k] | with_slot) & ~but_slot
+        sets[k] |= slot
 
 
 @step
-def _reaches(s: Table, places: Table, i: int, with_slot: Any, but_slot: Any) -> None:
-    _reach(places[WIN_X], s[i, WIN_LO_X], s[i, WIN_HI_X], with_slot, but_slot)
-    _reach(places[WIN_Y], s[i, WIN_LO_Y], s[i, WIN_HI_Y], with_slot, but_slot)
-    _reach(places[BOX_X], s[i, BOX_LO_X], s[i, BOX_HI_X], with_slot, but_slot)
-    _reach(places[BOX_Y], s[i, BOX_LO_Y], s[i, BOX_HI_Y], with_slot, but_slot)
+def _leave(sets: Table, lowest: int, highest: int, slot: Any) -> None:
+    for k in range(max(lowest, 0), min(highest + 1, len(sets))):
+        sets[k] &= ~slot
+
+
+@step
+def _shift(sets: Table, low: int, high: int, next_low: int, next_high: int, slot: Any) -> None:
+    """Take a slot from its columns or rows to the next ones, most of which are the same."""
+    _leave(sets, low, min(high, next_low - 1), slot)
+    _leave(sets, max(low, next_high + 1), high, slot)
+    _join(sets, next_low, min(next_high, low - 1), slot)
+    _join(sets, max(next_low, high + 1), next_high, slot)
 
 
 @step
 def enter(s: Table, places: Table, i: int) -> None:
-    """Slot i holds the pixels of its box and window from now on."""
-    _reaches(s, places, i, alone(i), _NONE)
+    """Slot i, which held no pixel, holds those of its box and window from now on."""
+    _join(places[WIN_X], s[i, WIN_LO_X], s[i, WIN_HI_X], alone(i))
+    _join(places[WIN_Y], s[i, WIN_LO_Y], s[i, WIN_HI_Y], alone(i))
+    _join(places[BOX_X], s[i, BOX_LO_X], s[i, BOX_HI_X], alone(i))
+    _join(places[BOX_Y], s[i, BOX_LO_Y], s[i, BOX_HI_Y], alone(i))
 
 
 @step
-def withdraw(s: Table, places: Table, i: int) -> None:
-    """Slot i no longer holds the pixels of its box and window; before these change."""
-    _reaches(s, places, i, _NONE, alone(i))
+def move(s: Table, places: Table, i: int) -> None:
+    """Slot i holds the pixels of its next box and window instead of those of the present ones; before these change."""
+    for lo, row in ((WIN_LO_X, WIN_X), (WIN_LO_Y, WIN_Y), (BOX_LO_X, BOX_X), (BOX_LO_Y, BOX_Y)):
+        hi, onward = lo + 1, NEXT_BOX_LO_X - BOX_LO_X
+        _shift(places[row], s[i, lo], s[i, hi], s[i, lo + onward], s[i, hi + onward], alone(i))
 
 
 @step

@@ -44,25 +44,24 @@ class MotionModel:
     def feed(
         self,
         events: TickedEvents,
-        keep: NDArray[np.bool_],
+        kept: NDArray[np.int64],
         owner: NDArray[np.int16],
         rel_x: NDArray[np.uint16],
         rel_y: NDArray[np.uint16],
     ) -> NDArray[np.void]:
         """Process a run of events, fill in what was decided on each, and return the records, (m,) MOTION_RECORD.
 
-        `rel_x` and `rel_y` hold zeros, which stay where an event has no owner.
+        Args:
+            kept: numbers of the events that passed external filters, in order; of the others nothing is filled in.
+            rel_x, rel_y: hold zeros, which stay where an event has no owner.
         """
         done = 0
         parts: list[NDArray[np.void]] = []
         while done < len(events):
-            left = slice(done, None)
-            processed, count = feed(
+            done, count = feed(
                 self._state, self._registers, self._limits, self._globals, self._modes, self._places,
-                events.ticks[left], events.x[left], events.y[left], keep[left], owner[left], rel_x[left], rel_y[left],
-                self._buffer,
+                events.ticks, events.x, events.y, kept, done, owner, rel_x, rel_y, self._buffer,
             )  # fmt: skip
-            done += processed
             parts.append(self._buffer[:count].copy())
         return np.concatenate(parts) if parts else np.zeros(0, MOTION_RECORD)
 

@@ -14,10 +14,13 @@ from evcot.errors import ConfigError
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode
 from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records
+from evcot.hardware.motion._kernel import RECORDS_PER_SLOT
 from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
 from evcot.tracks.log import DROPPED, Kind
 from support.moving import QUICK, SHAPE, VARIANTS, scene
 from support.slow_motion import SlowArray
+
+FEW_EVENTS = replace(QUICK, birth_support=20, nev_high=10)  # where most events are taken out
 
 
 def config_of(registers: MotionRegisters, **shape: int) -> CotConfig:
@@ -102,15 +105,29 @@ def test_an_event_is_at_its_place_in_its_owner_window() -> None:
     assert not decided.rel_x[~owned].any()
 
 
-def test_dropped_events_have_no_owner_but_advance_time() -> None:
-    events, random = scene(2), np.random.default_rng(5)
-    keep = random.random(len(events)) < 0.7
-    decided = CotModel(config_of(QUICK)).feed(events, keep)
-    alone = CotModel(config_of(QUICK)).feed(events[keep])
+@pytest.mark.parametrize("passing", [0.9, 0.3])
+def test_dropped_events_have_no_owner_but_advance_time_and_the_count(passing: float) -> None:
+    events = scene(2)
+    keep = np.random.default_rng(5).random(len(events)) < passing
+    keep[-1_000:] = False  # lives end while none is kept
+    decided = CotModel(config_of(FEW_EVENTS)).feed(events, keep)
+    slow = SlowArray(FEW_EVENTS, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
+    for at, x, y, kept in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), keep.tolist(), strict=True):
+        slow.event(at, x, y, kept)
     assert np.array_equal(decided.owner == DROPPED, ~keep)
-    assert np.array_equal(decided.owner[keep], alone.owner)
-    for name in ("time", "cm_x", "width", "v_y", "kind"):
-        assert np.array_equal(decided.records[name][: len(alone.records)], alone.records[name])
+    assert decided.owner.tolist() == slow.owners
+    assert as_tuples(decided.records) == slow.records
+    assert len(slow.records) > 100
+
+
+@pytest.mark.parametrize("spare", [1, 2, 7])
+def test_a_buffer_of_records_that_is_full_again_and_again_changes_nothing(spare: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    events = scene(1)
+    keep = np.random.default_rng(spare).random(len(events)) < 0.6
+    whole = CotModel(config_of(FEW_EVENTS)).feed(events, keep)
+    monkeypatch.setattr("evcot.hardware.motion.model._SPARE_RECORDS", spare)
+    assert len(whole.records) > 10 * (RECORDS_PER_SLOT * SHAPE.n_slots + spare)
+    same(CotModel(config_of(FEW_EVENTS)).feed(events, keep), whole)
 
 
 def test_off_leaves_every_bit_as_it_was() -> None:
