@@ -110,7 +110,7 @@ def _narrow(  # type: ignore[no-untyped-def]
 
     One memory of `last` ticks serves two of them: the activity filter sees what the refractory filter passes.
     """
-    height, width = quiet.shape
+    height, width = np.uint64(quiet.shape[0]), np.uint64(quiet.shape[1])
     one = np.uint64(1)
     ends_us = (window + 1) * WINDOW_US
     seen = rested = sent = supported = 0

@@ -264,8 +264,8 @@ def feed(
             return e, n
         if glob[SEQ] >= glob[IN_FORCE]:
             _put_in_force(s, glob, places, glob[SEQ])
-        x = int(xs[e])
-        y = int(ys[e])
+        x = np.int64(xs[e])  # not unsigned, which would be compared with signed numbers as floats
+        y = np.int64(ys[e])
         i, shared, seeds = find(places, x, y)
         if i >= 0 and not seeds:
             owner[e] = i
