@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
@@ -264,8 +266,8 @@ def feed(
             return e, n
         if glob[SEQ] >= glob[IN_FORCE]:
             _put_in_force(s, glob, places, glob[SEQ])
-        x = np.int64(xs[e])  # not unsigned, which would be compared with signed numbers as floats
-        y = np.int64(ys[e])
+        x: Any = np.int64(xs[e])  # signed: unsigned ones would be compared with sides as floats
+        y: Any = np.int64(ys[e])
         i, shared, seeds = find(places, x, y)
         if i >= 0 and not seeds:
             owner[e] = i
