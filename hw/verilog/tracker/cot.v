@@ -148,6 +148,7 @@ module cot #(
     reg                   restart;    // mode was written: INIT_CELL at the next opportunity
 
     reg                   active;     // visible; else a candidate
+    reg                   collecting; // a life has begun: its first event is counted in
     wire [X_W+FRAC-1:0]   cm_x, av_x;
     wire [Y_W+FRAC-1:0]   cm_y, av_y;
     reg [RADIX_W-1:0]     g;
@@ -179,12 +180,11 @@ module cot #(
     reg [TIME_W-1:0]      cm_time;
     reg [RADIX_W+1:0]     own_x, own_y;
 
-    wire collecting = active || count != {NEV_W{1'b0}};
-    wire free       = mode == `EVCOT_MODE_SEEDED && !collecting;  // any event starts a life
-    wire begins     = state == `EVCOT_ST_EV_DISCRI;
-    wire takes      = (state == `EVCOT_ST_EV_NO_PROC || state == `EVCOT_ST_EV_PROC) && !updated;
-    wire moves      = state == `EVCOT_ST_EV_PROC && updated && !moved;
-    wire busy       = (cm_pending && !m_cm_ready) || (own_pending && !m_own_ready) || (pass_pending && !m_pass_ready);
+    wire free   = mode == `EVCOT_MODE_SEEDED && !collecting;  // any event starts a life
+    wire begins = state == `EVCOT_ST_EV_DISCRI;
+    wire takes  = (state == `EVCOT_ST_EV_NO_PROC || state == `EVCOT_ST_EV_PROC) && !updated;
+    wire moves  = state == `EVCOT_ST_EV_PROC && updated && !moved;
+    wire busy   = (cm_pending && !m_cm_ready) || (own_pending && !m_own_ready) || (pass_pending && !m_pass_ready);
 
     // ---- centre, average and window --------------------------------------------------------------------------------
 
@@ -193,7 +193,7 @@ module cot #(
     wire [RADIX_W:0]   radius = {1'b0, g} + {1'b0, radix_th};
     reg  [RADIX_W:0]   radius_reg;
 
-    wire placed = state == `EVCOT_ST_INIT_CELL && !busy;
+    wire placed = state == `EVCOT_ST_INIT_CELL && !cm_pending;
     wire seeds  = begins && free;
 
     cot_axis #(
@@ -261,7 +261,8 @@ module cot #(
     wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !active};
 
     wire due     = collecting && left[TC_W];
-    wire expired = due || (collecting && {{(SUM_W - TICK_W) {1'b0}}, tick} > {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]});
+    wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, s_tick};
+    wire expired = due || (collecting && passes && !tick_used);
     wire ends    = s_valid ? expired : due && entered;
 
     wire [TIME_W:0] deadline = {now, 1'b1} + {{(TIME_W - TC_W - 1) {left[TC_W]}}, left, 1'b1};
@@ -269,7 +270,7 @@ module cot #(
     // ---- arithmetic ------------------------------------------------------------------------------------------------
 
     wire [NEV_W:0] next_count = {1'b0, count} + 1'b1;
-    wire           last       = next_count >= {1'b0, n_ev};
+    wire           last       = !(next_count < {1'b0, n_ev});
 
     wire [RADIX_W:0] grown  = {1'b0, g} + {1'b0, radix_step};
     wire [RADIX_W:0] lowest = {1'b0, radix_min} + {1'b0, radix_step};
@@ -315,62 +316,67 @@ module cot #(
     always @(posedge clk) begin
         radius_reg <= radius;
         left       <= left_next[TC_W+1:1];
-        slower     <= active && {1'b0, tc2} > {1'b0, last_tc2} + {1'b0, nev_th};
+        slower     <= active && {1'b0, last_tc2} + {1'b0, nev_th} < {1'b0, tc2};
         faster     <= active && {1'b0, tc2} + {1'b0, nev_th} < {1'b0, last_tc2};
 
         if (m_cm_ready) cm_pending <= 1'b0;
         if (m_own_ready) own_pending <= 1'b0;
         if (m_pass_ready) pass_pending <= 1'b0;
 
+        if (takes) collecting <= 1'b1;
+
         case (state)
-            // Waits for the record of a life's end to be taken, then loads the registers.
-            `EVCOT_ST_INIT_CELL:
-            if (!busy) begin
-                active  <= 1'b0;
-                g       <= init_radix;
-                ring    <= 1'b0;
-                n_ev    <= clust_nev;
-                count   <= {NEV_W{1'b0}};
-                support <= {SUP_W{1'b0}};
-                tc      <= {TC_W{1'b0}};
-                tc2     <= {TC_W{1'b0}};
-                state   <= `EVCOT_ST_IDLE;
+            // Waits until the record of a life's end has been taken, then loads the registers; what no record has begins anew before.
+            `EVCOT_ST_INIT_CELL: begin
+                active     <= 1'b0;
+                collecting <= 1'b0;
+                ring       <= 1'b0;
+                count      <= {NEV_W{1'b0}};
+                tc         <= {TC_W{1'b0}};
+                tc2        <= {TC_W{1'b0}};
+                if (!cm_pending) begin
+                    g       <= init_radix;
+                    n_ev    <= clust_nev;
+                    support <= {SUP_W{1'b0}};
+                    state   <= `EVCOT_ST_IDLE;
+                end
             end
 
-            // Waits for a token. The end of a life comes first: the token stays waiting, its ticks are counted once.
-            `EVCOT_ST_IDLE:
-            if (restart) begin
-                restart    <= 1'b0;
-                cm_pending <= active;
-                cm_kind    <= `EVCOT_KIND_LOST;
-                cm_seq     <= write_seq;
-                cm_time    <= now;
-                state      <= `EVCOT_ST_INIT_CELL;
-            end else if (ends && !written) begin
-                tick_used  <= s_valid;
-                now        <= now + {{(TIME_W - TICK_W) {1'b0}}, s_valid ? tick : {TICK_W{1'b0}}};
-                cm_pending <= active;
-                cm_kind    <= `EVCOT_KIND_LOST;
-                cm_seq     <= due ? write_seq : s_seq;
-                cm_time    <= deadline[TIME_W:1];
-                state      <= `EVCOT_ST_INIT_CELL;
-            end else if (s_valid && !written) begin
-                tick_used   <= 1'b0;
-                now         <= now + {{(TIME_W - TICK_W) {1'b0}}, tick};
-                token_tick  <= s_tick;
-                token_event <= s_event;
-                token_x     <= s_x;
-                token_y     <= s_y;
-                token_p     <= s_p;
-                token_seq   <= s_seq;
-                if (collecting) begin
-                    tc  <= (tc_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc_after[TC_W-1:0];
-                    tc2 <= (tc2_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc2_after[TC_W-1:0];
+            // Waits for a token. The end of a life comes first: the token stays waiting, its ticks are counted once. Whether it is
+            // the end is known last in a clock, so it decides little: a record that is not offered and a token that stays waiting
+            // are written again, and the timers of a life that ends begin anew.
+            `EVCOT_ST_IDLE: begin
+                if (restart || s_valid || due) begin
+                    cm_kind <= `EVCOT_KIND_LOST;
+                    cm_seq  <= (restart || due) ? write_seq : s_seq;
+                    cm_time <= restart ? now : deadline[TIME_W:1];
                 end
-                if (s_event) state <= `EVCOT_ST_EV_DISCRI;
-                else if (s_tick != {TICK_W{1'b0}}) begin
-                    pass_pending <= 1'b1;
-                    state        <= `EVCOT_ST_EV_PASS_TH;
+                if (s_valid) begin
+                    token_tick  <= s_tick;
+                    token_event <= s_event;
+                    token_x     <= s_x;
+                    token_y     <= s_y;
+                    token_p     <= s_p;
+                    token_seq   <= s_seq;
+                end
+                if (s_valid && !restart && !written) begin
+                    tick_used <= expired;
+                    now       <= now + {{(TIME_W - TICK_W) {1'b0}}, tick};
+                    if (collecting) begin
+                        tc  <= (tc_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc_after[TC_W-1:0];
+                        tc2 <= (tc2_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc2_after[TC_W-1:0];
+                    end
+                end
+                if (restart || (ends && !written)) begin
+                    restart    <= 1'b0;
+                    cm_pending <= active;
+                    state      <= `EVCOT_ST_INIT_CELL;
+                end else if (s_valid && !written) begin
+                    if (s_event) state <= `EVCOT_ST_EV_DISCRI;
+                    else if (s_tick != {TICK_W{1'b0}}) begin
+                        pass_pending <= 1'b1;
+                        state        <= `EVCOT_ST_EV_PASS_TH;
+                    end
                 end
             end
 
@@ -413,9 +419,9 @@ module cot #(
                 support <= (&support) ? support : support + 1'b1;
             end else if (!moved) begin
                 moved      <= 1'b1;
-                g          <= ring ? ((grown > {1'b0, radix_max}) ? radix_max : grown[RADIX_W-1:0])
+                g          <= ring ? (({1'b0, radix_max} < grown) ? radix_max : grown[RADIX_W-1:0])
                                    : (({1'b0, g} < lowest) ? radix_min : g - radix_step);
-                n_ev       <= slower ? ((doubled > {1'b0, nev_max}) ? nev_max : doubled[NEV_W-1:0])
+                n_ev       <= slower ? (({1'b0, nev_max} < doubled) ? nev_max : doubled[NEV_W-1:0])
                             : faster ? ((halved < nev_min) ? nev_min : halved)
                                      : n_ev;
                 ring       <= 1'b0;
@@ -450,6 +456,7 @@ module cot #(
             own_pending  <= 1'b0;
             pass_pending <= 1'b0;
             active       <= 1'b0;
+            collecting   <= 1'b0;
             tick_used    <= 1'b0;
             now          <= {TIME_W{1'b0}};
             next_id      <= ID_FIRST[ID_W-1:0];

@@ -77,14 +77,16 @@ module cot_axis #(
     // Address within the window: x - centre + R, from 0 to 2R. Its sign tells the lower bound.
     wire [REL_W-1:0] wide_rel = {{(REL_W - W) {1'b0}}, token} + base;
 
-    assign hit = !wide_rel[REL_W-1] && {1'b1, {(AT_W - W - 1) {1'b0}}, token} <= hi_reg;
+    wire beyond = hi_reg < {1'b1, {(AT_W - W - 1) {1'b0}}, token};
+
+    assign hit = !wide_rel[REL_W-1] && !beyond;
     assign rel = wide_rel[RADIX_W+1:0];
 
     reg signed [D_W-1:0] off;  // from the centre's pixel to the token
     wire signed [D_W:0]  wide_g = $signed({{(D_W + 1 - RADIX_W) {1'b0}}, g});
     wire signed [D_W:0]  wide_off = $signed({off[D_W-1], off});
 
-    assign ring = wide_off > wide_g || wide_off < -wide_g;
+    assign ring = wide_g < wide_off || wide_off < -wide_g;
 
     // ---- steps -----------------------------------------------------------------------------------------------------------
 
