@@ -257,12 +257,12 @@ module cot #(
     reg  [SEQ_W-1:0] write_seq;  // the next event then
     reg              entered;    // it has entered the row
     wire [TC_W-1:0]  limit     = active ? max_ticks : detect_ticks;
-    wire [TC_W-1:0]  timer     = active ? tc : tc2;
+    wire [TC_W-1:0]  timer     = active ? tc & {TC_W{!takes}} : tc2;
     wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !active};
 
     wire due     = collecting && left[TC_W];
     wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, s_tick};
-    wire expired = due || (collecting && passes && !tick_used);
+    wire expired = due || (collecting && passes);  // ticks that ended a life find none
     wire ends    = s_valid ? expired : due && entered;
 
     wire [TIME_W:0] deadline = {now, 1'b1} + {{(TIME_W - TC_W - 1) {left[TC_W]}}, left, 1'b1};
@@ -323,7 +323,10 @@ module cot #(
         if (m_own_ready) own_pending <= 1'b0;
         if (m_pass_ready) pass_pending <= 1'b0;
 
-        if (takes) collecting <= 1'b1;
+        if (takes) begin
+            collecting <= 1'b1;
+            tc         <= {TC_W{1'b0}};
+        end
 
         case (state)
             // Waits until the record of a life's end has been taken, then loads the registers; what no record has begins anew before.
@@ -381,20 +384,20 @@ module cot #(
             end
 
             // Inside or outside? A free seeded tracker starts at the event.
-            `EVCOT_ST_EV_DISCRI:
-            if (inside_window || free) begin
-                updated      <= 1'b0;
-                moved        <= 1'b0;
-                tc           <= {TC_W{1'b0}};
-                own_pending  <= 1'b1;
-                own_x        <= free ? {1'b0, radius_reg} : rel_x;
-                own_y        <= free ? {1'b0, radius_reg} : rel_y;
-                pass_pending <= token_tick != {TICK_W{1'b0}};  // the ticks travel on, the event does not
-                token_event  <= 1'b0;
-                state <= last ? `EVCOT_ST_EV_PROC : `EVCOT_ST_EV_NO_PROC;
-            end else begin
-                pass_pending <= 1'b1;
-                state        <= `EVCOT_ST_EV_PASS_TH;
+            `EVCOT_ST_EV_DISCRI: begin
+                updated <= 1'b0;
+                moved   <= 1'b0;
+                own_x   <= free ? {1'b0, radius_reg} : rel_x;
+                own_y   <= free ? {1'b0, radius_reg} : rel_y;
+                if (inside_window || free) begin
+                    own_pending  <= 1'b1;
+                    pass_pending <= token_tick != {TICK_W{1'b0}};  // the ticks travel on, the event does not
+                    token_event  <= 1'b0;
+                    state <= last ? `EVCOT_ST_EV_PROC : `EVCOT_ST_EV_NO_PROC;
+                end else begin
+                    pass_pending <= 1'b1;
+                    state        <= `EVCOT_ST_EV_PASS_TH;
+                end
             end
 
             // Offers the token to the next tracker until it is taken.

@@ -6,7 +6,7 @@
 // arithmetic shift; from k = EVCOT_HIST_AVG_STILL on there is no step. Steps of the centre begin where those of the average end:
 // (av - cm) is formed beside (event - av).
 //
-// Latency:    1 clock from each of the steps to av and cm, 1 more to the window.
+// Latency:    1 clock from each of the steps to av and cm, 1 more to the window; from k to the next step 1.
 // Throughput: a step per clock.
 // Stall:      none of its own.
 // Reset:      none; place loads all that decides.
@@ -90,10 +90,11 @@ module cot_axis #(
 
     // ---- steps -----------------------------------------------------------------------------------------------------------
 
-    wire                 steps = k < `EVCOT_HIST_AVG_STILL;
+    reg                  steps;
+    reg [3:0]            by;             // k, a clock later
     reg signed [EXT-1:0] distance, lag;  // event - av, or av - cm in the step of the centre; av - cm before the event
-    wire [EXT-1:0]       shifted = $unsigned(distance >>> k) & {EXT{steps}};
-    wire [EXT:0]         below   = {distance, 1'b0} >> k;
+    wire [EXT-1:0]       shifted = $unsigned(distance >>> by) & {EXT{steps}};
+    wire [EXT:0]         below   = {distance, 1'b0} >> by;
     wire                 up      = FRAC > 0 && below[0] && steps;  // the highest bit that the shift has cut off
     wire [POS-1:0]       value   = moves ? cm : av;
     wire [POS:0]         sum     = {value, 1'b1} + {shifted[POS-1:0], up};
@@ -102,6 +103,9 @@ module cot_axis #(
     wire [POS-1:0] target = {token, {FRAC{1'b0}}};
 
     always @(posedge clk) begin
+        steps <= k < `EVCOT_HIST_AVG_STILL;
+        by    <= k;
+
         pixel_reg <= pixel;
         hi_reg    <= hi;
         base      <= {{(REL_W - RADIX_W - 1) {1'b0}}, radius} - {{(REL_W - W) {1'b0}}, pixel};
