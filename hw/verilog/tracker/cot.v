@@ -329,7 +329,7 @@ module cot #(
         end
 
         case (state)
-            // Waits until the record of a life's end has been taken, then loads the registers; what no record has begins anew before.
+            // Waits until the record of a life's end has been taken, then loads the registers. What no record holds is cleared at once.
             `EVCOT_ST_INIT_CELL: begin
                 active     <= 1'b0;
                 collecting <= 1'b0;
@@ -345,9 +345,9 @@ module cot #(
                 end
             end
 
-            // Waits for a token. The end of a life comes first: the token stays waiting, its ticks are counted once. Whether it is
-            // the end is known last in a clock, so it decides little: a record that is not offered and a token that stays waiting
-            // are written again, and the timers of a life that ends begin anew.
+            // Waits for a token. The end of a life comes first: the token stays waiting, its ticks are counted once. Whether a life
+            // ends is known late in the clock, so few registers depend on it: a record that is not offered, and a token that stays
+            // waiting, are written all the same, and INIT_CELL clears the timers.
             `EVCOT_ST_IDLE: begin
                 if (restart || s_valid || due) begin
                     cm_kind <= `EVCOT_KIND_LOST;
