@@ -222,13 +222,15 @@ def test_an_offer_that_changes_or_goes_while_it_waits_is_found_out(array: Scope,
 
 
 def timers_count(tracker: Scope) -> None:
-    """TC and TC2 count the ticks of every token that a collecting tracker accepts, and nothing else moves them."""
-    accepts = tracker["s_valid"] & tracker["s_ready"]
+    """TC and TC2 count the ticks of every token that a collecting tracker accepts or ends with, and nothing else moves them."""
     owns = (tracker["state"] == State.EV_DISCRI) & (tracker["inside_window"] | tracker["free"])
+    takes = ((tracker["state"] == State.EV_NO_PROC) | (tracker["state"] == State.EV_PROC)) & ~tracker["updated"]
     moves = (tracker["state"] == State.EV_PROC) & tracker["updated"] & ~tracker["moved"]
     loads = tracker["state"] == State.INIT_CELL
-    counts = accepts & tracker["collecting"]
-    for timer, restarts in (("tc", owns), ("tc2", moves)):
+    waits = tracker["restart"] | tracker["written"]
+    counts = (tracker["state"] == State.IDLE) & tracker["s_valid"] & ~waits & tracker["collecting"]
+    after(owns).expect(takes)
+    for timer, restarts in (("tc", takes), ("tc2", moves)):
         always(tracker[timer] == (tracker[timer] + tracker["tick"]).previous(), where=counts.previous())
         after(restarts).expect(tracker[timer] == 0)
         never(tracker[timer].changed, where=(~counts & ~restarts & ~loads).previous())
@@ -274,7 +276,7 @@ def test_a_timer_that_does_not_restart_in_the_verilog_is_found_out(config: CotCo
     """Through the whole way: broken source, build, run, waveform."""
     verilog = copy_rtl(tmp_path / "verilog")
     source = (verilog / "cot.v").read_text()
-    restart = "moved        <= 1'b0;\n                tc           <= {TC_W{1'b0}};"
+    restart = "collecting <= 1'b1;\n            tc         <= {TC_W{1'b0}};"
     assert source.count(restart) == 1
     (verilog / "cot.v").write_text(source.replace(restart, restart.partition("\n")[0]))
     one = CotConfig.uniform(replace(config.shape, n_slots=1), config.slots[0])
