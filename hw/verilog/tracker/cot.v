@@ -262,12 +262,12 @@ module cot #(
 
     wire due     = collecting && left[TC_W];
     wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, s_tick};
-    wire expired = due || (collecting && passes);  // ticks that ended a life find none
+    wire expired = due || (collecting && passes);  // ticks that have ended a life wait, but there is none that they could end
     wire ends    = s_valid ? expired : due && entered;
 
     wire [TIME_W:0] deadline = {now, 1'b1} + {{(TIME_W - TC_W - 1) {left[TC_W]}}, left, 1'b1};
 
-    // ---- arithmetic ------------------------------------------------------------------------------------------------
+    // ---- arithmetic: sizes are compared by <, which takes the carry chain alone ------------------------------------
 
     wire [NEV_W:0] next_count = {1'b0, count} + 1'b1;
     wire           last       = !(next_count < {1'b0, n_ev});

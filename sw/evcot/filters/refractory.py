@@ -3,20 +3,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .cells import CellMemory, cell_of
 from .contract import FilterShape
 from .registers import FilterRegisters
 
-__all__ = ["RefractoryFilter", "may_send"]
+__all__ = ["RefractoryFilter"]
 
 
 class RefractoryFilter(EventFilter):
@@ -46,26 +43,15 @@ class RefractoryFilter(EventFilter):
         _narrow(self._stayed, self._ticks, events.ticks, events.x, events.y, keep)
 
 
-@step
-def may_send(stayed: Any, silence: int, tick: int, x: int, y: int) -> bool:
-    """Whether no event of a pixel has passed for so many ticks; if so this one does, and is noted.
-
-    Args:
-        stayed: (height, width) int64, the tick of each pixel's last event that passed.
-    """
-    passes = tick - stayed[y, x] >= silence
-    if passes:
-        stayed[y, x] = tick
-    return bool(passes)
-
-
 @njit(cache=True, nogil=True)
 def _narrow(stayed, silence, ticks, x, y, keep):  # type: ignore[no-untyped-def]
     height, width = stayed.shape
     for i in range(len(keep)):
         if not keep[i]:
             continue
-        keep[i] = x[i] < width and y[i] < height and may_send(stayed, silence, ticks[i], x[i], y[i])
+        keep[i] = x[i] < width and y[i] < height and ticks[i] - stayed[y[i], x[i]] >= silence
+        if keep[i]:
+            stayed[y[i], x[i]] = ticks[i]
 
 
 @njit(cache=True, nogil=True)

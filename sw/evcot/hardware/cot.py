@@ -105,11 +105,12 @@ class CotModel:
                 raise ConfigError("a model with filters decides itself which events stay")
             keep = self._filters.feed(events)
         keep = _ALL if keep is None else events.mask(keep)
-        owner = np.full(n, DROPPED, np.int16)
+        owner = np.empty(n, np.int16)
         rel_x = np.zeros(n, np.uint16)
         rel_y = np.zeros(n, np.uint16)
         if self._motion is not None:
             kept = np.arange(n) if keep is _ALL else np.flatnonzero(keep)
+            owner[:] = DROPPED
             return Decisions(self._motion.feed(events, kept, owner, rel_x, rel_y), owner, rel_x, rel_y)
         per_event_max = 3 * self.config.shape.n_slots
         parts: list[NDArray[np.void]] = []

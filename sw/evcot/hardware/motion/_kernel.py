@@ -187,33 +187,23 @@ def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) 
 
 
 @step
-def _first_at(ticks: Table, low: int, high: int, tick: int) -> int:
-    """The first event from `low` on, at most `high`, that is at this tick or later; `high` is."""
-    while low < high:
-        middle = (low + high) >> 1
-        if ticks[middle] < tick:
-            low = middle + 1
-        else:
-            high = middle
-    return low
-
-
-@step
 def _steps(
     s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table,
     ticks: Table, before: int, e: int, out: Table, n: int,
 ) -> int:  # fmt: skip
     """All motion steps up to event e of a run, or fewer if `out` could overflow; returns the new number of records.
 
-    Each comes before the first event that is not earlier, whether that was kept or not; `before` is the number of all events
+    Each comes before the first event that is not earlier, whether that was kept or not. `before` is how many events there were
     before the run.
     """
     room = RECORDS_PER_SLOT * s.shape[0]
-    while glob[NEXT_STEP] <= ticks[e] and n + room <= len(out):
+    now = ticks[e]
+    while glob[NEXT_STEP] <= now and n + room <= len(out):
         if not _lives(s):  # steps in which nothing happens, however many
-            glob[NEXT_STEP] += (((ticks[e] - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
+            glob[NEXT_STEP] += (((now - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
             break
-        glob[SEQ] = before + _first_at(ticks, glob[SEQ] - before, e, glob[NEXT_STEP])
+        done = glob[SEQ] - before
+        glob[SEQ] += np.searchsorted(ticks[done:e], glob[NEXT_STEP])
         n = _step(s, r, lim, glob, places, out, n)
     renew(s, places, modes)
     return n
@@ -242,7 +232,7 @@ def feed(
     s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table,
     ticks: Table, xs: Table, ys: Table, kept: Table, done: int, owner: Table, rel_x: Table, rel_y: Table, out: Table,
 ) -> tuple[int, int]:  # fmt: skip
-    """Process a run of events, of which so many are done, to its end or until `out` could overflow.
+    """Process a run of events, of which `done` are done, to its end or until `out` could overflow.
 
     `kept` are the numbers of those events that no filter took out, in order; the others only advance time and the event count.
     `owner`, `rel_x` and `rel_y` are filled in for events that are kept; the last two hold zeros, which stay without an owner.

@@ -16,7 +16,14 @@ from ._state import (
     BOX_LO_Y,
     CANDIDATE,
     LEFT,
+    NEXT_BOX_HI_X,
+    NEXT_BOX_HI_Y,
     NEXT_BOX_LO_X,
+    NEXT_BOX_LO_Y,
+    NEXT_WIN_HI_X,
+    NEXT_WIN_HI_Y,
+    NEXT_WIN_LO_X,
+    NEXT_WIN_LO_Y,
     STATE,
     VISIBLE,
     WIN_HI_X,
@@ -31,6 +38,14 @@ __all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "ent
 # Rows of the table: the slots whose window, or whose box, covers each column or row; in the last one those in each state.
 WIN_X, WIN_Y, BOX_X, BOX_Y, OF_STATE = range(5)
 ROWS = 5
+
+# A slot's bounds in each of the first four rows: those in force, and the next ones.
+_BOUNDS = (
+    (WIN_X, WIN_LO_X, WIN_HI_X, NEXT_WIN_LO_X, NEXT_WIN_HI_X),
+    (WIN_Y, WIN_LO_Y, WIN_HI_Y, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y),
+    (BOX_X, BOX_LO_X, BOX_HI_X, NEXT_BOX_LO_X, NEXT_BOX_HI_X),
+    (BOX_Y, BOX_LO_Y, BOX_HI_Y, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y),
+)
 
 _SEEDED = int(Mode.SEEDED)
 _NONE = np.uint64(0)
@@ -56,6 +71,7 @@ def _join(sets: Table, lowest: int, highest: int, slot: Any) -> None:
 
 @step
 def _leave(sets: Table, lowest: int, highest: int, slot: Any) -> None:
+    """Take it out of them."""
     for k in range(max(lowest, 0), min(highest + 1, len(sets))):
         sets[k] &= ~slot
 
@@ -72,18 +88,15 @@ def _shift(sets: Table, low: int, high: int, next_low: int, next_high: int, slot
 @step
 def enter(s: Table, places: Table, i: int) -> None:
     """Slot i, which held no pixel, holds those of its box and window from now on."""
-    _join(places[WIN_X], s[i, WIN_LO_X], s[i, WIN_HI_X], alone(i))
-    _join(places[WIN_Y], s[i, WIN_LO_Y], s[i, WIN_HI_Y], alone(i))
-    _join(places[BOX_X], s[i, BOX_LO_X], s[i, BOX_HI_X], alone(i))
-    _join(places[BOX_Y], s[i, BOX_LO_Y], s[i, BOX_HI_Y], alone(i))
+    for row, lo, hi, _, _ in _BOUNDS:
+        _join(places[row], s[i, lo], s[i, hi], alone(i))
 
 
 @step
 def move(s: Table, places: Table, i: int) -> None:
     """Slot i holds the pixels of its next box and window instead of those of the present ones; before these change."""
-    for lo, row in ((WIN_LO_X, WIN_X), (WIN_LO_Y, WIN_Y), (BOX_LO_X, BOX_X), (BOX_LO_Y, BOX_Y)):
-        hi, onward = lo + 1, NEXT_BOX_LO_X - BOX_LO_X
-        _shift(places[row], s[i, lo], s[i, hi], s[i, lo + onward], s[i, hi + onward], alone(i))
+    for row, lo, hi, next_lo, next_hi in _BOUNDS:
+        _shift(places[row], s[i, lo], s[i, hi], s[i, next_lo], s[i, next_hi], alone(i))
 
 
 @step

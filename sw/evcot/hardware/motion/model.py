@@ -52,7 +52,8 @@ class MotionModel:
         """Process a run of events, fill in what was decided on each, and return the records, (m,) MOTION_RECORD.
 
         Args:
-            kept: numbers of the events that passed external filters, in order; of the others nothing is filled in.
+            kept: numbers of the events that passed external filters, in order.
+            owner: holds `DROPPED`, which stays where an event was not kept.
             rel_x, rel_y: hold zeros, which stay where an event has no owner.
         """
         done = 0
