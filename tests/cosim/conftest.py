@@ -56,7 +56,7 @@ def blobs() -> Events:
 @pytest.fixture(scope="session")
 def stalls() -> Stalls:
     """Every stream stalls; records have to wait longest."""
-    return Stalls.random(np.random.default_rng(5), (0.8, 0.1, 0.4, 0.6))
+    return Stalls.random(np.random.default_rng(5), (0.8, 0.02, 0.4, 0.6))
 
 
 @pytest.fixture(scope="session")

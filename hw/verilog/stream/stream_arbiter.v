@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Merges N streams into one, round robin: after stream i, the next waiting one above i goes first.
 //
-// Latency:    1 clock from s_ to m_.
-// Throughput: 1 word per clock. A stream that waits is served after at most N - 1 words of others.
+// Every stream has a register in front, and whose turn it is next is decided a clock ahead, so that no long path begins or ends here.
+//
+// Latency:    3 clocks from s_ to m_.
+// Throughput: 1 word per clock from three streams or more, every 3 clocks from each. A stream that waits is served after at most N - 1
+//             words of others.
 // Stall:      the output word is held until accepted. Nothing is lost or repeated, and each stream keeps its order.
 // Reset:      becomes empty, stream 0 first. Payload is not reset.
-// Combinational paths: m_ready, s_valid -> s_ready. A skid_buffer behind m_ or before s_ cuts them.
+// Combinational paths: none; s_ready, m_valid and m_data are registers.
 `default_nettype none
 
 module stream_arbiter #(
@@ -30,37 +33,57 @@ module stream_arbiter #(
     parameter_check #(.OK(N >= 1)) N_must_be_at_least_1 ();
     parameter_check #(.OK(W >= 1)) W_must_be_at_least_1 ();
 
+    reg [N-1:0] s_ready_reg;
+    reg [N*W-1:0] waiting_data_reg;
+    // Whose turn it is: a stream that waits, or none.
+    reg [N-1:0] turn_reg;
+    // The streams above the last one that had a turn: they go first.
+    reg [N-1:0] above_reg;
     reg m_valid_reg;
     reg [W-1:0] m_data_reg;
-    // The streams above the one served last: they go first.
-    reg [N-1:0] above_reg;
 
     wire output_free = m_ready || !m_valid_reg;
-    wire [N-1:0] favoured = s_valid & above_reg;
-    wire [N-1:0] candidates = (favoured != {N{1'b0}}) ? favoured : s_valid;
-    // Lowest set bit, and everything above it.
-    wire [N-1:0] grant = candidates & (~candidates + 1'b1);
-    wire [N-1:0] above_next = ~(grant | (grant - 1'b1));
+    wire [N-1:0] waiting = ~s_ready_reg & ~turn_reg;
+    wire [N-1:0] favoured = waiting & above_reg;
+    wire [N-1:0] candidates = (favoured != {N{1'b0}}) ? favoured : waiting;
+    // The streams above the lowest candidate, by as many steps as N has bits.
+    reg [N-1:0] above_next;
+    integer step;
+    always @* begin
+        above_next = candidates << 1;
+        for (step = 1; step < N; step = 2 * step) above_next = above_next | (above_next << step);
+    end
+    wire [N-1:0] turn_next = candidates & ~above_next;
 
-    reg [W-1:0] granted_data;
+    reg [W-1:0] data;
     integer i;
     always @* begin
-        granted_data = {W{1'b0}};
-        for (i = 0; i < N; i = i + 1) granted_data = granted_data | (s_data[i*W +: W] & {W{grant[i]}});
+        data = {W{1'b0}};
+        for (i = 0; i < N; i = i + 1) data = data | (waiting_data_reg[i*W +: W] & {W{turn_reg[i]}});
     end
 
-    assign s_ready = output_free ? grant : {N{1'b0}};
+    assign s_ready = s_ready_reg;
     assign m_valid = m_valid_reg;
     assign m_data = m_data_reg;
 
+    integer stream;
     always @(posedge clk) begin
+        for (stream = 0; stream < N; stream = stream + 1) begin
+            if (s_ready_reg[stream]) waiting_data_reg[stream*W +: W] <= s_data[stream*W +: W];
+        end
+        s_ready_reg <= (s_ready_reg & ~s_valid) | (turn_reg & {N{output_free}});
         if (output_free) begin
-            m_valid_reg <= |s_valid;
-            m_data_reg <= granted_data;
-            if (|s_valid) above_reg <= above_next;
+            m_valid_reg <= |turn_reg;
+            m_data_reg <= data;
+        end
+        if (output_free || turn_reg == {N{1'b0}}) begin
+            turn_reg <= turn_next;
+            if (waiting != {N{1'b0}}) above_reg <= above_next;
         end
         if (rst) begin
+            s_ready_reg <= {N{1'b1}};
             m_valid_reg <= 1'b0;
+            turn_reg <= {N{1'b0}};
             above_reg <= {N{1'b0}};
         end
     end

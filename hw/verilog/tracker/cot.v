@@ -8,12 +8,12 @@
 // here leaves its ticks there as a token without event.
 //
 // Latency:    unstalled, from the clock edge that takes the event: passed or owned event out after 2 clocks, centre out after 4.
-// Throughput: an event every 3 clocks, every 5 at a centre update, a token without event every 2.
-// Stall:      every output is held until accepted, and the FSM waits for all of them.
+// Throughput: a token every 3 clocks, every 5 at a centre update; 3 or 4 more where it ends a life.
+// Stall:      every output is held until accepted. The FSM waits for all of them in IDLE, before it takes another token.
 // Reset:      turns the tracker off.
 // Registers:  a write takes effect on the next token; s_ready is low in the clock after a write. A life that ends because
 //             its timer was shortened is reported when the next event enters the row of trackers (s_valid, or a change of next_seq).
-// Combinational paths: s_tick -> s_ready; put a skid_buffer in front where that is too long.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -161,9 +161,9 @@ module cot #(
     reg [TC_W-1:0]        tc;         // ticks since the last owned event
     reg [TC_W-1:0]        tc2;        // ticks since the window of N_ev events began
     reg [TC_W-1:0]        last_tc2;   // what TC2 reached in the window before
-    reg                   tick_used;  // the waiting token's ticks have been counted already
 
     // the token being decided
+    reg                   held;       // until the life that its ticks have ended is over
     reg [TICK_W-1:0]      token_tick;
     reg                   token_event;
     reg [X_W-1:0]         token_x;
@@ -173,8 +173,8 @@ module cot #(
 
     // outputs not yet taken
     reg                   cm_pending, own_pending, pass_pending;
-    reg                   updated;    // the token's event has been counted in
-    reg                   moved;      // and the centre has moved
+    reg                   pass_event; // the token's event has no owner here
+    reg                   updated;    // it has been counted in
     reg [1:0]             cm_kind;
     reg [SEQ_W-1:0]       cm_seq;
     reg [TIME_W-1:0]      cm_time;
@@ -182,9 +182,9 @@ module cot #(
 
     wire free   = mode == `EVCOT_MODE_SEEDED && !collecting;  // any event starts a life
     wire begins = state == `EVCOT_ST_EV_DISCRI;
-    wire takes  = (state == `EVCOT_ST_EV_NO_PROC || state == `EVCOT_ST_EV_PROC) && !updated;
-    wire moves  = state == `EVCOT_ST_EV_PROC && updated && !moved;
-    wire busy   = (cm_pending && !m_cm_ready) || (own_pending && !m_own_ready) || (pass_pending && !m_pass_ready);
+    wire takes  = state == `EVCOT_ST_EV_NO_PROC || (state == `EVCOT_ST_EV_PROC && !updated);
+    wire moves  = state == `EVCOT_ST_EV_PROC && updated;
+    wire waits  = state == `EVCOT_ST_IDLE && !cm_pending && !own_pending && !pass_pending;
 
     // ---- centre, average and window --------------------------------------------------------------------------------
 
@@ -194,7 +194,7 @@ module cot #(
     reg  [RADIX_W:0]   radius_reg;
 
     wire placed = state == `EVCOT_ST_INIT_CELL && !cm_pending;
-    wire seeds  = begins && free;
+    wire seeds  = begins && free && token_event;
 
     cot_axis #(
         .W      (X_W),
@@ -243,12 +243,12 @@ module cot #(
 
     wire has_window = collecting || mode == `EVCOT_MODE_FIXED;
     wire inside_window = has_window && hit_x && hit_y;
+    wire owned = inside_window || free;  // if there is an event
 
     // ---- time ------------------------------------------------------------------------------------------------------
 
-    wire [TICK_W-1:0] tick = tick_used ? {TICK_W{1'b0}} : s_tick;
-    wire [SUM_W-1:0] tc_after  = {{(SUM_W - TC_W) {1'b0}}, tc} + {{(SUM_W - TICK_W) {1'b0}}, tick};
-    wire [SUM_W-1:0] tc2_after = {{(SUM_W - TC_W) {1'b0}}, tc2} + {{(SUM_W - TICK_W) {1'b0}}, tick};
+    wire [SUM_W-1:0] tc_after  = {{(SUM_W - TC_W) {1'b0}}, tc} + {{(SUM_W - TICK_W) {1'b0}}, token_tick};
+    wire [SUM_W-1:0] tc2_after = {{(SUM_W - TC_W) {1'b0}}, tc2} + {{(SUM_W - TICK_W) {1'b0}}, token_tick};
 
     // How many ticks the life outlasts, formed a clock after what they depend on. A cluster's ends max_ticks after its last event, a
     // candidate's at the tick after detect_ticks. A life is due without a further tick only where a write has shortened it.
@@ -256,14 +256,14 @@ module cot #(
     reg              written;    // a register, in the clock before
     reg  [SEQ_W-1:0] write_seq;  // the next event then
     reg              entered;    // it has entered the row
-    wire [TC_W-1:0]  limit     = active ? max_ticks : detect_ticks;
-    wire [TC_W-1:0]  timer     = active ? tc & {TC_W{!takes}} : tc2;
-    wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !active};
+    wire             visible   = active || moves;
+    wire [TC_W-1:0]  limit     = visible ? max_ticks : detect_ticks;
+    wire [TC_W-1:0]  timer     = visible ? tc & {TC_W{!takes}} : tc2;
+    wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !visible};
 
     wire due     = collecting && left[TC_W];
-    wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, s_tick};
-    wire expired = due || (collecting && passes);  // ticks that have ended a life wait, but there is none that they could end
-    wire ends    = s_valid ? expired : due && entered;
+    wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, token_tick};
+    wire expired = collecting && passes;
 
     wire [TIME_W:0] deadline = {now, 1'b1} + {{(TIME_W - TC_W - 1) {left[TC_W]}}, left, 1'b1};
 
@@ -283,8 +283,8 @@ module cot #(
 
     // ---- outputs ---------------------------------------------------------------------------------------------------
 
-    assign s_ready      = state == `EVCOT_ST_IDLE && !restart && !written && !expired;
-    assign idle         = state == `EVCOT_ST_IDLE && !restart && !written;
+    assign s_ready      = waits && !restart && !written && !held && !due;
+    assign idle         = waits && !restart && !written && !held;
 
     assign m_cm_valid   = cm_pending;
     assign m_cm_kind    = cm_kind;
@@ -305,7 +305,7 @@ module cot #(
 
     assign m_pass_valid = pass_pending;
     assign m_pass_tick  = token_tick;
-    assign m_pass_event = token_event;
+    assign m_pass_event = pass_event;
     assign m_pass_x     = token_x;
     assign m_pass_y     = token_y;
     assign m_pass_p     = token_p;
@@ -345,16 +345,9 @@ module cot #(
                 end
             end
 
-            // Waits for a token. The end of a life comes first: the token stays waiting, its ticks are counted once. Whether a life
-            // ends is known late in the clock, so few registers depend on it: a record that is not offered, and a token that stays
-            // waiting, are written all the same, and INIT_CELL clears the timers.
+            // Offers what the last token has left until it is taken, then waits for the next one.
             `EVCOT_ST_IDLE: begin
-                if (restart || s_valid || due) begin
-                    cm_kind <= `EVCOT_KIND_LOST;
-                    cm_seq  <= (restart || due) ? write_seq : s_seq;
-                    cm_time <= restart ? now : deadline[TIME_W:1];
-                end
-                if (s_valid) begin
+                if (s_ready) begin
                     token_tick  <= s_tick;
                     token_event <= s_event;
                     token_x     <= s_x;
@@ -362,66 +355,67 @@ module cot #(
                     token_p     <= s_p;
                     token_seq   <= s_seq;
                 end
-                if (s_valid && !restart && !written) begin
-                    tick_used <= expired;
-                    now       <= now + {{(TIME_W - TICK_W) {1'b0}}, tick};
-                    if (collecting) begin
-                        tc  <= (tc_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc_after[TC_W-1:0];
-                        tc2 <= (tc2_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc2_after[TC_W-1:0];
-                    end
+                if (waits) begin
+                    cm_kind <= `EVCOT_KIND_LOST;
+                    cm_seq  <= write_seq;
+                    cm_time <= restart ? now : deadline[TIME_W:1];
                 end
-                if (restart || (ends && !written)) begin
+                if (waits && (restart || (due && !written && (s_valid || entered)))) begin
                     restart    <= 1'b0;
                     cm_pending <= active;
                     state      <= `EVCOT_ST_INIT_CELL;
-                end else if (s_valid && !written) begin
-                    if (s_event) state <= `EVCOT_ST_EV_DISCRI;
-                    else if (s_tick != {TICK_W{1'b0}}) begin
-                        pass_pending <= 1'b1;
-                        state        <= `EVCOT_ST_EV_PASS_TH;
-                    end
+                end else if ((held && !written) || (s_ready && s_valid && (s_event || s_tick != {TICK_W{1'b0}}))) begin
+                    state <= `EVCOT_ST_EV_DISCRI;
                 end
             end
 
-            // Inside or outside? A free seeded tracker starts at the event.
+            // Counts the ticks. Do they end a life? Then the token is held until that is over. Is its event inside or outside? A free
+            // seeded tracker starts at the event. What is not offered is written all the same, so few registers depend on the answers.
             `EVCOT_ST_EV_DISCRI: begin
-                updated <= 1'b0;
-                moved   <= 1'b0;
-                own_x   <= free ? {1'b0, radius_reg} : rel_x;
-                own_y   <= free ? {1'b0, radius_reg} : rel_y;
-                if (inside_window || free) begin
+                if (!held) now <= now + {{(TIME_W - TICK_W) {1'b0}}, token_tick};
+                if (collecting) begin
+                    tc  <= (tc_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc_after[TC_W-1:0];
+                    tc2 <= (tc2_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc2_after[TC_W-1:0];
+                end
+                held       <= expired;
+                updated    <= 1'b0;
+                own_x      <= free ? {1'b0, radius_reg} : rel_x;
+                own_y      <= free ? {1'b0, radius_reg} : rel_y;
+                pass_event <= token_event && !owned;
+                cm_kind    <= `EVCOT_KIND_LOST;
+                cm_seq     <= token_seq;
+                cm_time    <= deadline[TIME_W:1];
+                if (expired) begin
+                    cm_pending <= active;
+                    state      <= `EVCOT_ST_INIT_CELL;
+                end else if (token_event && owned) begin
                     own_pending  <= 1'b1;
                     pass_pending <= token_tick != {TICK_W{1'b0}};  // the ticks travel on, the event does not
-                    token_event  <= 1'b0;
-                    state <= last ? `EVCOT_ST_EV_PROC : `EVCOT_ST_EV_NO_PROC;
+                    state        <= last ? `EVCOT_ST_EV_PROC : `EVCOT_ST_EV_NO_PROC;
                 end else begin
                     pass_pending <= 1'b1;
                     state        <= `EVCOT_ST_EV_PASS_TH;
                 end
             end
 
-            // Offers the token to the next tracker until it is taken.
-            `EVCOT_ST_EV_PASS_TH: if (!busy) state <= `EVCOT_ST_IDLE;
+            // Offers the token to the next tracker.
+            `EVCOT_ST_EV_PASS_TH: state <= `EVCOT_ST_IDLE;
 
-            // Counts the event in, then waits until it is taken.
+            // Counts the event in.
             `EVCOT_ST_EV_NO_PROC: begin
-                if (!updated) begin
-                    updated <= 1'b1;
-                    ring    <= ring || ring_x || ring_y;
-                    support <= (&support) ? support : support + 1'b1;
-                    count   <= next_count[NEV_W-1:0];
-                end
-                if (!busy) state <= `EVCOT_ST_IDLE;
+                ring    <= ring || ring_x || ring_y;
+                support <= (&support) ? support : support + 1'b1;
+                count   <= next_count[NEV_W-1:0];
+                state   <= `EVCOT_ST_IDLE;
             end
 
-            // Counts the event in, then moves the centre, then offers it until it is taken.
+            // Counts the event in, then moves the centre.
             `EVCOT_ST_EV_PROC:
             if (!updated) begin
                 updated <= 1'b1;
                 ring    <= ring || ring_x || ring_y;
                 support <= (&support) ? support : support + 1'b1;
-            end else if (!moved) begin
-                moved      <= 1'b1;
+            end else begin
                 g          <= ring ? (({1'b0, radix_max} < grown) ? radix_max : grown[RADIX_W-1:0])
                                    : (({1'b0, g} < lowest) ? radix_min : g - radix_step);
                 n_ev       <= slower ? (({1'b0, nev_max} < doubled) ? nev_max : doubled[NEV_W-1:0])
@@ -440,7 +434,8 @@ module cot #(
                     id      <= next_id;
                     next_id <= next_id + ID_STEP[ID_W-1:0];
                 end
-            end else if (!busy) state <= `EVCOT_ST_IDLE;
+                state <= `EVCOT_ST_IDLE;
+            end
 
             default: state <= `EVCOT_ST_INIT_CELL;
         endcase
@@ -460,7 +455,7 @@ module cot #(
             pass_pending <= 1'b0;
             active       <= 1'b0;
             collecting   <= 1'b0;
-            tick_used    <= 1'b0;
+            held         <= 1'b0;
             now          <= {TIME_W{1'b0}};
             next_id      <= ID_FIRST[ID_W-1:0];
             written      <= 1'b0;

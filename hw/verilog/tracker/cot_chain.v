@@ -5,7 +5,7 @@
 // each event at the tick at which it happened, however late it arrives. Events are numbered at the input; the records and the owned
 // events of all trackers are merged round robin, and each tracker's own stay in order.
 //
-// Latency:    unstalled: that of cot.v, plus 1 clock at the input, 2 per upstream tracker, and 1 where records and owned events
+// Latency:    unstalled: that of cot.v, plus 1 clock at the input, 2 per upstream tracker, and 3 where records and owned events
 //             are merged.
 // Throughput: that of cot.v, an event every 3 to 5 clocks, in every tracker at once.
 // Stall:      every output is held until accepted, and a tracker that waits stops those before it.
@@ -245,7 +245,7 @@ module cot_chain #(
         .m_data ({m_own_slot, m_own_x, m_own_y, m_own_p, m_own_seq})
     );
 
-    assign idle = &tracker_idle && !first_valid && !m_cm_valid && !m_own_valid;
+    assign idle = &tracker_idle && !first_valid && &cm_ready && &own_ready && !m_cm_valid && !m_own_valid;
 
     wire unused = &{1'b0, last_tick};
 

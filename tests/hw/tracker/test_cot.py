@@ -376,9 +376,9 @@ class TestClocks:
         assert set(np.diff(accepted)) == {3}
         assert recorded == []
 
-    def test_a_token_without_event_takes_2_clocks(self) -> None:
+    def test_a_token_without_event_takes_3_clocks(self) -> None:
         accepted, _ = timed([(0, 0, 0), (10 * (2**20 - 1), 0, 0), (10 * (2**20 - 1), 0, 0)])
-        assert np.diff(accepted).tolist() == [3 + 9 * 2, 3]
+        assert np.diff(accepted).tolist() == [3 + 9 * 3, 3]
 
     def test_owned_and_passed_events_come_out_after_2_clocks(self) -> None:
         device = bare_device(CotConfig(SHAPE, (FIXED,)), "cot")
