@@ -256,10 +256,9 @@ module cot #(
     reg              written;    // a register, in the clock before
     reg  [SEQ_W-1:0] write_seq;  // the next event then
     reg              entered;    // it has entered the row
-    wire             visible   = active || moves;
-    wire [TC_W-1:0]  limit     = visible ? max_ticks : detect_ticks;
-    wire [TC_W-1:0]  timer     = visible ? tc & {TC_W{!takes}} : tc2;
-    wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !visible};
+    wire [TC_W-1:0]  limit     = active ? max_ticks : detect_ticks;
+    wire [TC_W-1:0]  timer     = active ? tc : tc2;
+    wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !active};
 
     wire due     = collecting && left[TC_W];
     wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, token_tick};
