@@ -3,8 +3,8 @@
 //
 // Every stream has a register in front, and whose turn it is next is decided a clock ahead, so that no long path begins or ends here.
 //
-// Latency:    3 clocks from s_ to m_.
-// Throughput: 1 word per clock from three streams or more, every 3 clocks from each. A stream that waits is served after at most N - 1
+// Latency:    2 clocks from s_ to m_.
+// Throughput: 1 word per clock from two streams or more, every 2 clocks from each. A stream that waits is served after at most N - 1
 //             words of others.
 // Stall:      the output word is held until accepted. Nothing is lost or repeated, and each stream keeps its order.
 // Reset:      becomes empty, stream 0 first. Payload is not reset.
@@ -43,23 +43,26 @@ module stream_arbiter #(
     reg [W-1:0] m_data_reg;
 
     wire output_free = m_ready || !m_valid_reg;
-    wire [N-1:0] waiting = ~s_ready_reg & ~turn_reg;
-    wire [N-1:0] favoured = waiting & above_reg;
-    wire [N-1:0] candidates = (favoured != {N{1'b0}}) ? favoured : waiting;
-    // The streams above the lowest candidate, by as many steps as N has bits.
-    reg [N-1:0] above_next;
-    integer step;
+    wire [N-1:0] waiting = (s_valid | ~s_ready_reg) & ~turn_reg;
+    // Of those that wait the one has the next turn that none is ahead of: streams above the last turn go first, and else the lower ones.
+    reg [N-1:0] turn_next, above_next;
+    integer i, j;
     always @* begin
-        above_next = candidates << 1;
-        for (step = 1; step < N; step = 2 * step) above_next = above_next | (above_next << step);
+        turn_next = waiting;
+        for (i = 0; i < N; i = i + 1) begin
+            for (j = 0; j < N; j = j + 1) begin
+                if (waiting[j] && ((j < i) ? above_reg[j] || !above_reg[i] : j > i && above_reg[j] && !above_reg[i])) turn_next[i] = 1'b0;
+            end
+        end
+        above_next[0] = 1'b0;
+        for (i = 1; i < N; i = i + 1) above_next[i] = above_next[i-1] || turn_next[i-1];
     end
-    wire [N-1:0] turn_next = candidates & ~above_next;
 
     reg [W-1:0] data;
-    integer i;
+    integer from;
     always @* begin
         data = {W{1'b0}};
-        for (i = 0; i < N; i = i + 1) data = data | (waiting_data_reg[i*W +: W] & {W{turn_reg[i]}});
+        for (from = 0; from < N; from = from + 1) data = data | (waiting_data_reg[from*W +: W] & {W{turn_reg[from]}});
     end
 
     assign s_ready = s_ready_reg;

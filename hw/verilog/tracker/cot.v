@@ -154,6 +154,10 @@ module cot #(
     reg [RADIX_W-1:0]     g;
     reg                   ring;
     reg [NEV_W-1:0]       n_ev, count;
+    // What these mean for the next event, a clock later.
+    reg                   free;       // it starts a life wherever it is
+    reg                   has_window; // it may lie inside
+    reg                   last;       // it moves the centre
     reg [SUP_W-1:0]       support;
     reg [ID_W-1:0]        id, next_id;
 
@@ -163,7 +167,8 @@ module cot #(
     reg [TC_W-1:0]        last_tc2;   // what TC2 reached in the window before
 
     // the token being decided
-    reg                   held;       // until the life that its ticks have ended is over
+    reg                   expired;    // its ticks end the life
+    reg                   held;       // until that is over
     reg [TICK_W-1:0]      token_tick;
     reg                   token_event;
     reg [X_W-1:0]         token_x;
@@ -180,7 +185,6 @@ module cot #(
     reg [TIME_W-1:0]      cm_time;
     reg [RADIX_W+1:0]     own_x, own_y;
 
-    wire free   = mode == `EVCOT_MODE_SEEDED && !collecting;  // any event starts a life
     wire begins = state == `EVCOT_ST_EV_DISCRI;
     wire takes  = state == `EVCOT_ST_EV_NO_PROC || (state == `EVCOT_ST_EV_PROC && !updated);
     wire moves  = state == `EVCOT_ST_EV_PROC && updated;
@@ -241,7 +245,6 @@ module cot #(
         .ring  (ring_y)
     );
 
-    wire has_window = collecting || mode == `EVCOT_MODE_FIXED;
     wire inside_window = has_window && hit_x && hit_y;
     wire owned = inside_window || free;  // if there is an event
 
@@ -257,19 +260,17 @@ module cot #(
     reg  [SEQ_W-1:0] write_seq;  // the next event then
     reg              entered;    // it has entered the row
     wire [TC_W-1:0]  limit     = active ? max_ticks : detect_ticks;
-    wire [TC_W-1:0]  timer     = active ? tc : tc2;
+    wire [TC_W-1:0]  timer     = active ? tc & {TC_W{!takes}} : tc2;
     wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !active};
 
     wire due     = collecting && left[TC_W];
-    wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, token_tick};
-    wire expired = collecting && passes;
+    wire passes  = {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]} < {{(SUM_W - TICK_W) {1'b0}}, s_tick};
 
     wire [TIME_W:0] deadline = {now, 1'b1} + {{(TIME_W - TC_W - 1) {left[TC_W]}}, left, 1'b1};
 
     // ---- arithmetic: sizes are compared by <, which takes the carry chain alone ------------------------------------
 
     wire [NEV_W:0] next_count = {1'b0, count} + 1'b1;
-    wire           last       = !(next_count < {1'b0, n_ev});
 
     wire [RADIX_W:0] grown  = {1'b0, g} + {1'b0, radix_step};
     wire [RADIX_W:0] lowest = {1'b0, radix_min} + {1'b0, radix_step};
@@ -314,6 +315,9 @@ module cot #(
 
     always @(posedge clk) begin
         radius_reg <= radius;
+        free       <= mode == `EVCOT_MODE_SEEDED && !collecting;
+        has_window <= mode == `EVCOT_MODE_FIXED || collecting;
+        last       <= !(next_count < {1'b0, n_ev});
         left       <= left_next[TC_W+1:1];
         slower     <= active && {1'b0, last_tc2} + {1'b0, nev_th} < {1'b0, tc2};
         faster     <= active && {1'b0, tc2} + {1'b0, nev_th} < {1'b0, last_tc2};
@@ -347,6 +351,7 @@ module cot #(
             // Offers what the last token has left until it is taken, then waits for the next one.
             `EVCOT_ST_IDLE: begin
                 if (s_ready) begin
+                    expired     <= collecting && passes;
                     token_tick  <= s_tick;
                     token_event <= s_event;
                     token_x     <= s_x;
@@ -376,6 +381,7 @@ module cot #(
                     tc  <= (tc_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc_after[TC_W-1:0];
                     tc2 <= (tc2_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc2_after[TC_W-1:0];
                 end
+                expired    <= 1'b0;
                 held       <= expired;
                 updated    <= 1'b0;
                 own_x      <= free ? {1'b0, radius_reg} : rel_x;
@@ -454,6 +460,7 @@ module cot #(
             pass_pending <= 1'b0;
             active       <= 1'b0;
             collecting   <= 1'b0;
+            expired      <= 1'b0;
             held         <= 1'b0;
             now          <= {TIME_W{1'b0}};
             next_id      <= ID_FIRST[ID_W-1:0];

@@ -5,7 +5,7 @@
 // each event at the tick at which it happened, however late it arrives. Events are numbered at the input; the records and the owned
 // events of all trackers are merged round robin, and each tracker's own stay in order.
 //
-// Latency:    unstalled: that of cot.v, plus 1 clock at the input, 2 per upstream tracker, and 3 where records and owned events
+// Latency:    unstalled: that of cot.v, plus 1 clock at the input, 2 per upstream tracker, and 2 where records and owned events
 //             are merged.
 // Throughput: that of cot.v, an event every 3 to 5 clocks, in every tracker at once.
 // Stall:      every output is held until accepted, and a tracker that waits stops those before it.
