@@ -72,7 +72,7 @@ module stream_arbiter #(
     integer stream;
     always @(posedge clk) begin
         for (stream = 0; stream < N; stream = stream + 1) begin
-            if (s_ready_reg[stream]) waiting_data_reg[stream*W +: W] <= s_data[stream*W +: W];
+            if (s_valid[stream] && s_ready_reg[stream]) waiting_data_reg[stream*W +: W] <= s_data[stream*W +: W];
         end
         s_ready_reg <= (s_ready_reg & ~s_valid) | (turn_reg & {N{output_free}});
         if (output_free) begin

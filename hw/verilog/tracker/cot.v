@@ -185,7 +185,7 @@ module cot #(
     reg [TIME_W-1:0]      cm_time;
     reg [RADIX_W+1:0]     own_x, own_y;
 
-    wire begins = state == `EVCOT_ST_EV_DISCRI;
+    wire begins = state == `EVCOT_ST_EV_DISCRI && token_event;
     wire takes  = state == `EVCOT_ST_EV_NO_PROC || (state == `EVCOT_ST_EV_PROC && !updated);
     wire moves  = state == `EVCOT_ST_EV_PROC && updated;
     wire waits  = state == `EVCOT_ST_IDLE && !cm_pending && !own_pending && !pass_pending;
@@ -198,7 +198,7 @@ module cot #(
     reg  [RADIX_W:0]   radius_reg;
 
     wire placed = state == `EVCOT_ST_INIT_CELL && !cm_pending;
-    wire seeds  = begins && free && token_event;
+    wire seeds  = begins && free;
 
     cot_axis #(
         .W      (X_W),
@@ -350,7 +350,7 @@ module cot #(
 
             // Offers what the last token has left until it is taken, then waits for the next one.
             `EVCOT_ST_IDLE: begin
-                if (s_ready) begin
+                if (s_ready && s_valid) begin
                     expired     <= collecting && passes;
                     token_tick  <= s_tick;
                     token_event <= s_event;
@@ -359,7 +359,7 @@ module cot #(
                     token_p     <= s_p;
                     token_seq   <= s_seq;
                 end
-                if (waits) begin
+                if (waits && (restart || due)) begin
                     cm_kind <= `EVCOT_KIND_LOST;
                     cm_seq  <= write_seq;
                     cm_time <= restart ? now : deadline[TIME_W:1];
@@ -373,8 +373,8 @@ module cot #(
                 end
             end
 
-            // Counts the ticks. Do they end a life? Then the token is held until that is over. Is its event inside or outside? A free
-            // seeded tracker starts at the event. What is not offered is written all the same, so few registers depend on the answers.
+            // Counts the ticks. If they end a life, holds the token until that is over. Is its event inside or outside? A free seeded
+            // tracker starts at the event.
             `EVCOT_ST_EV_DISCRI: begin
                 if (!held) now <= now + {{(TIME_W - TICK_W) {1'b0}}, token_tick};
                 if (collecting) begin
@@ -387,11 +387,11 @@ module cot #(
                 own_x      <= free ? {1'b0, radius_reg} : rel_x;
                 own_y      <= free ? {1'b0, radius_reg} : rel_y;
                 pass_event <= token_event && !owned;
-                cm_kind    <= `EVCOT_KIND_LOST;
-                cm_seq     <= token_seq;
-                cm_time    <= deadline[TIME_W:1];
                 if (expired) begin
                     cm_pending <= active;
+                    cm_kind    <= `EVCOT_KIND_LOST;
+                    cm_seq     <= token_seq;
+                    cm_time    <= deadline[TIME_W:1];
                     state      <= `EVCOT_ST_INIT_CELL;
                 end else if (token_event && owned) begin
                     own_pending  <= 1'b1;
