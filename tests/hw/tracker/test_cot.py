@@ -380,6 +380,12 @@ class TestClocks:
         accepted, _ = timed([(0, 0, 0), (10 * (2**20 - 1), 0, 0), (10 * (2**20 - 1), 0, 0)])
         assert np.diff(accepted).tolist() == [3 + 9 * 3, 3]
 
+    @pytest.mark.parametrize(("n", "clocks"), [(60, 3 + 3), (1, 5 + 4)], ids=["candidate", "visible"])
+    def test_a_token_that_ends_a_life_takes_3_clocks_more_and_4_with_a_record(self, n: int, clocks: int) -> None:
+        accepted, recorded = timed(at([0, 200, 200]), max_ticks=100, detect_ticks=100, **n_ev_of(n))
+        assert accepted[2] - accepted[1] == clocks
+        assert len(recorded) == (4 if n == 1 else 0)
+
     def test_owned_and_passed_events_come_out_after_2_clocks(self) -> None:
         device = bare_device(CotConfig(SHAPE, (FIXED,)), "cot")
         io = device.sim.io
