@@ -254,7 +254,7 @@ def test_an_active_tracker_never_waits_with_a_timer_that_has_run_out(tracker: Sc
 
 
 def test_every_tick_counts_once(tracker: Scope) -> None:
-    """The clock of a tracker is the sum of the ticks that it was given, though a token is held until a life that it ends is over."""
+    """The clock of a tracker is the sum of the ticks that it was given, though a token that ends a life is held for a while."""
     accepted = clock_of(tracker["s_valid"] & tracker["s_ready"], -1)
     tokens = (tracker["s_valid"] & tracker["s_ready"]).true[: accepted + 1]
     given = int(tracker["s_tick"].values[: accepted + 1][tokens].sum())
