@@ -210,7 +210,7 @@ module motion_step #(
                     state <= REST;
                 end
                 else if (taken[this_slot]) state <= FETCH;
-                slot <= slot + {{SLOT_W{1'b0}}, !taken[this_slot]};  // behind the last one it does not count
+                if (!taken[this_slot]) slot <= slot + {{SLOT_W{1'b0}}, 1'b1};  // behind the last one it does not count
             end
             FETCH: begin
                 op_valid <= 1'b1;
