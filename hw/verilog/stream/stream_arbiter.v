@@ -44,7 +44,8 @@ module stream_arbiter #(
 
     wire output_free = m_ready || !m_valid_reg;
     wire [N-1:0] waiting = (s_valid | ~s_ready_reg) & ~turn_reg;
-    // Of those that wait the one has the next turn that none is ahead of: streams above the last turn go first, and else the lower ones.
+    // The next turn goes to the stream that waits and that no other one is ahead of: those above the last turn come first, each group
+    // from its lowest on.
     reg [N-1:0] turn_next, above_next;
     integer i, j;
     always @* begin
