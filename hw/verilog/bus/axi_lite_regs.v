@@ -241,6 +241,7 @@ module axi_lite_regs #(
     wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : is_tracks ? LIVES : BOXES;
     reg  [BANKS-1:0] pending; // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
+    reg  off_sensor;          // a pixel to mask lies outside the sensor
     wire locked = ((shadowed || commits) && pending[bank]) || (marks && !off_sensor && !cleared);
 
     // ---- an access ---------------------------------------------------------------------------------------------------
@@ -255,13 +256,13 @@ module axi_lite_regs #(
     wire known    = words_known || in_bank;
     wire writable = words_writable || in_bank;
     wire acts     = state == CHECK && strb != 4'd0;
-    wire [31:0] legal = over ? high : under ? low : merged;
 
     // Free-running: each has had its clock by the time it is asked for.
     reg  [31:0] low, high;
-    reg         refuses, over, under, off_sensor;
+    reg         refuses, over, under;
     reg         fixed;        // the start mode that motion does not have
     reg         contradicts;  // a commit: registers of its bank
+    wire [31:0] legal = over ? high : under ? low : merged;
 
     always @(posedge clk) begin
         low     <= in_filter ? filter_low(place) : in_motion ? motion_low(motion_place) : slot_low(place);
@@ -351,9 +352,9 @@ module axi_lite_regs #(
     wire [`EVCOT_MREG_W-1:0] copied_to = {copies_lives, later_word};
     reg  ends;   // mode has come out, the last word of a bank
     wire copied_all = state == COPY && ends;
+    reg  alone;  // no other bank is pending; known long before the last word has been copied
     wire committed  = copied_all && alone;
 
-    reg alone;  // no other bank is pending; known long before the last word has been copied
     always @(posedge clk) alone <= pending == ({{(BANKS - 1) {1'b0}}, 1'b1} << copied);
 
     reg  [47:0] commit_seq;

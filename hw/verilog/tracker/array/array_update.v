@@ -158,6 +158,8 @@ module array_update #(
     wire [TC_W-1:0]    max_ticks, nev_th, detect_ticks;
     wire [NEV_W-1:0]   clust_nev, nev_min, nev_max;
 
+    reg [SLOT_W-1:0]   u_slot;  // the slot in U
+
     cot_regs #(
         .N      (N),
         .X_W    (X_W),
@@ -196,10 +198,10 @@ module array_update #(
     localparam [NEV_W:0]   TWICE = 2;
     localparam [NEV_W-1:0] TWO = TWICE[NEV_W-1:0];  // 0 where it does not fit: then nothing is
 
-    reg [SLOT_W-1:0]  u_slot;
     reg               u_takes, u_last, u_again, u_follows, u_active, u_clear, u_join, u_report, u_first, u_placed;
     reg [NEV_W-1:0]   u_rest;
     reg               u_one;  // u_rest is 1
+    wire              u_two = u_rest == TWO;
     reg               u_timed, u_max_grant;
     reg [RADIX_W-1:0] u_th, u_step, u_min, u_max;
     reg [RADIX_W:0]   u_highest, u_lowest;  // from where a step up or down is one too many
@@ -350,7 +352,6 @@ module array_update #(
     wire [RADIX_W:0]   grows_by   = {1'b0, u_highest[RADIX_W-1:0]} - {1'b0, u_g};
     wire [RADIX_W+1:0] shrinks_by = {2'b00, u_g} - {1'b0, u_lowest};
 
-    wire u_two  = u_rest == TWO;
     wire u_sets = u_placed && (u_takes || u_clear || u_join);
 
     wire u_outside = over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];

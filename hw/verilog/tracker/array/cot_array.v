@@ -138,6 +138,7 @@ module cot_array #(
     wire [X_W-1:0]     token_x;
     wire [Y_W-1:0]     token_y;
     wire               issue, commit, rewind;
+    reg                closed;  // no token may be issued
 
     array_input #(
         .X_W    (X_W),
@@ -200,7 +201,6 @@ module cot_array #(
     reg               stale;       // a register was written: the bound means nothing
     reg               exempt;      // lives that end before the next token have been ended
     reg               stalled;     // a record was not taken at once: nothing behind it holds until it is
-    reg               closed;      // no token may be issued
 
     reg [CLOCK_W-1:0] now;         // time of the last committed token
     reg [SEQ_W-1:0]   seq;         // number of its event, or of the next one where a life ends

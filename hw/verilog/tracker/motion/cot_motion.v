@@ -388,6 +388,8 @@ module cot_motion #(
 
     // ---- gaps --------------------------------------------------------------------------------------------------------
 
+    wire [SLOT_W-1:0] at;  // the slot that is worked on
+
     wire            look, look_y, look_done, gap_found, low_stays;
     wire [4:0]      look_log2;
     wire [PX_W-1:0] narrowest;
@@ -424,7 +426,6 @@ module cot_motion #(
 
     wire                say, record_free;
     wire [1:0]          kind;
-    wire [SLOT_W-1:0]   at;
     wire [ID_W-1:0]     id, stays_id;
     wire [SIDE_W:0]     sum_x, sum_y;
     wire [SIDE_W-1:0]   side_x, side_y;

@@ -102,8 +102,8 @@ module motion_gaps #(
     reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
 
     wire             looking = state != WAIT;
-    wire [BIN_W:0]   spare   = {1'b0, least} - {1'b0, looked};  // negative where a bin is not empty
     wire [BIN_W-1:0] looked  = on_y ? looked_y : looked_x;
+    wire [BIN_W:0]   spare   = {1'b0, least} - {1'b0, looked};  // negative where a bin is not empty
     reg              there;                // the value of `bin`
     reg              last;                 // of all bins
     wire [BIN_W+1:0] next    = {sum, 1'b1} + {above, above ? ~value : value, above};

@@ -85,6 +85,8 @@ module motion_turn #(
     reg               restarts, must_end;
     reg               restep_1, restep_2, restep_3, restep;  // step_log2 was written, or reset: the next step is set
     reg  [19:0]       step_mask;  // from a multiple of a step's length, or a time behind it, to the last tick before the next one
+    reg               wrote, wrote_seeded;  // `mode` was written, in the clock before
+    reg  [SLOT_W-1:0] wrote_slot;
     wire              any_restart;
     wire [SLOT_W-1:0] lowest_restart;
     reg  [TIME_W-1:0] step_end;   // the last tick before the next step but one, or with `restep` before the next
@@ -111,9 +113,6 @@ module motion_turn #(
         .any   (any_restart),
         .lowest(lowest_restart)
     );
-
-    reg              wrote, wrote_seeded;
-    reg [SLOT_W-1:0] wrote_slot;
 
     always @(posedge clk) begin
         wrote        <= cfg_valid && cfg_addr == `EVCOT_MREG_MODE && !rst;

@@ -68,8 +68,8 @@ module motion_velocity #(
     wire                  high_rises = !high_1[OFF_W-1] && |high_any;
     wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
     wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
-    wire [A_W+47:0]       wide_8   = {{(A_W + 40 - P_W) {sign_8}}, product, 8'd0};
     wire                  sign_8   = product[P_W-1];
+    wire [A_W+47:0]       wide_8   = {{(A_W + 40 - P_W) {sign_8}}, product, 8'd0};
     wire signed [3:0]     run      = begun[1] ? run_x : run_y;
     wire [3:0]            size     = run_next[3] ? -run_next : run_next;
     wire [3:0]            raised   = size < 4'd2 ? 4'd0 : size - 4'd2;

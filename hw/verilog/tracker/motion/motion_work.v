@@ -129,6 +129,8 @@ module motion_work #(
     wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
     wire              c_resume, c_leaves, returns, ran, widest;
 
+    wire [31:0] v;         // velocity of the slot that is worked on: y, x
+    reg was_read;          // what was read counts
     reg begun_1, begun_2;  // what comes with the job is there
     reg may_return;
     reg resting;           // the velocity is 0
@@ -269,7 +271,6 @@ module motion_work #(
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
     // What was read, and what counts, a clock later.
-    reg                 was_read;
     reg                 known;  // the velocity of the slot counts
     reg  [4*SIDE_W-1:0] read_sides;
     reg  [3:0]          read_marks;
@@ -286,7 +287,7 @@ module motion_work #(
     end
 
     wire                turn, crossed_x, crossed_y;
-    wire [31:0]         v, q_v;
+    wire [31:0]         q_v;
     wire [4*SIDE_W-1:0] refs, q_refs;
     wire [2*SIDE_W+1:0] q_start;
     wire [23:0]         usual, q_usual, ticks;
