@@ -32,7 +32,7 @@ test: $(VENV)/.installed-test ## Run all tests, on all cores
 bench: $(VENV)/.installed-bench ## Measure speeds: a table, and build/bench/bench.json
 	@$(BIN)/python benchmarks/run.py $(ARGS)
 
-lint: $(VENV)/.installed-lint ## Check Python (ruff, mypy) and Verilog (verilator; iverilog and yosys where present)
+lint: $(VENV)/.installed-lint ## Check Python (ruff, mypy) and Verilog (verilator, slang; iverilog and yosys where present)
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Check every RTL module, each as a top of its own, with Verilator and with Icarus and Yosys where they are installed.
+"""Check every RTL module, each as a top of its own: Verilator and slang, and Icarus and Yosys where they are installed.
 
-What is for boards is checked with the first two.
+The modules for boards are checked with Verilator and Icarus.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from evcot.errors import ToolchainError
+from evcot_cosim.fpga import slang
 from evcot_cosim.rtl.files import modules, rtl_files, search_flags
 from evcot_cosim.rtl.toolchain import find_toolchain
 
@@ -61,6 +62,7 @@ def main() -> int:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         running = {name: pool.submit(complaints, command, tools.environment) for name, command in checks.items()}
     found = {name: check.result() for name, check in running.items()}
+    found |= {f"slang {top}": "\n".join(slang.elaboration_errors(top, VERILOG)) for top in tops}
     for name, text in found.items():
         if text:
             print(f"{name}:\n{text}")

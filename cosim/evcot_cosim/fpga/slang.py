@@ -12,7 +12,7 @@ from evcot.errors import ConfigError, ToolchainError
 
 from ..rtl.files import rtl_files
 
-__all__ = ["checked", "expanded", "language", "printed", "pyslang", "source_manager"]
+__all__ = ["checked", "elaboration_errors", "expanded", "language", "printed", "pyslang", "source_manager"]
 
 
 def pyslang() -> Any:
@@ -58,6 +58,29 @@ def checked(sources: Any, trees: Iterable[Any]) -> list[Any]:
             report = pyslang().DiagnosticEngine.reportAll(sources, errors)
             raise ConfigError(report.splitlines()[0])
     return trees
+
+
+def elaboration_errors(top: str, verilog: Path | None = None) -> list[str]:
+    """What slang refuses when a module is elaborated with its default parameters, such as a net used before its declaration.
+
+    Args:
+        top: Name of the module.
+        verilog: Folder of the RTL; None is the RTL that comes with evcot.
+
+    Returns:
+        One line per error: file, line, what is wrong and the names that are concerned.
+    """
+    slang, sources = pyslang(), source_manager(verilog)
+    options = slang.ast.CompilationOptions()
+    options.topModules, options.errorLimit = {top}, 0
+    compilation = slang.ast.Compilation(slang.Bag([options]))
+    for path in sorted(set(rtl_files(verilog).values())):
+        if path.suffix == ".v":
+            compilation.addSyntaxTree(slang.syntax.SyntaxTree.fromFile(str(path), sources, language()))
+    errors = [found for found in compilation.getAllDiagnostics() if found.isError()]
+    return [
+        f"{sources.getFileName(one.location)}:{sources.getLineNumber(one.location)}: {one.code} {one.args}" for one in errors
+    ]
 
 
 def printed(sources: Any, part: Any) -> str:
