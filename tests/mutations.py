@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Do the tests bite? Breaks the RTL in one place at a time and runs the tests that should notice, on the broken copy.
+"""Do the tests bite? Breaks the RTL in one place at a time and runs the tests that must fail, on the broken copy.
 
 `python tests/mutations.py` makes the mistakes in mutations.toml, prints which test caught each and exits with 1 when one
-survives; `--write` also writes the table to docs/mutations.md.
+survives; `--write` also writes these tests to mutations.toml. `make docs` makes a page of it.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,22 +26,13 @@ from support.testing import broken_copy, broken_text
 
 ROOT = Path(__file__).parents[1]
 MISTAKES = ROOT / "tests" / "mutations.toml"
+_COLUMNS = 128  # of a line of mutations.toml
 KERNELS = ROOT / "build" / "cache" / "numba"  # of Python, the same for every mutation
-TABLE = ROOT / "docs" / "mutations.md"
-HEADING = """# What the tests catch
-
-Each row is the RTL with one mistake in it, and the tests that noticed. The table is written by `python tests/mutations.py
---write`, which runs the tests of the modules concerned on each broken copy, and fails if any mistake goes unnoticed. Of each
-test file the first test that failed is named.
-
-| mutation | in | caught by |
-|---|---|---|
-"""
 
 
 @dataclass(frozen=True)
 class Mutation:
-    """One broken place, and the files in tests/hw whose tests should notice."""
+    """One broken place, and the tests in tests/hw that must fail: `file`, or `file::test` once that is known."""
 
     meaning: str
     file: str
@@ -52,15 +44,15 @@ class Mutation:
 def mutations() -> Iterator[Mutation]:
     """All of them, file by file."""
     for file, mistakes in tomllib.loads(MISTAKES.read_text(encoding="utf-8")).items():
-        own = f"test_{Path(file).stem}.py"
         for mistake in mistakes:
-            yield Mutation(mistake["meaning"], file, mistake["right"], mistake["wrong"], tuple(mistake.get("tests", [own])))
+            yield Mutation(mistake["meaning"], file, mistake["right"], mistake["wrong"], tuple(mistake["tests"]))
 
 
-def path_of(test: str) -> Path:
-    """Where below tests/hw a test file is."""
-    (path,) = (ROOT / "tests" / "hw").rglob(test)
-    return path
+def path_of(test: str) -> str:
+    """A test of tests/hw as pytest takes it: the path of its file, and its name."""
+    file, *names = test.split("::")
+    (path,) = (ROOT / "tests" / "hw").rglob(file)
+    return "::".join([str(path), *names])
 
 
 def first_failures(verilog: Path, tests: tuple[str, ...], cache: Path) -> list[str]:
@@ -68,10 +60,10 @@ def first_failures(verilog: Path, tests: tuple[str, ...], cache: Path) -> list[s
     found = []
     for name in tests:
         pytest = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider"]
-        command = [*pytest, "-k", "not lints", str(path_of(name))]
+        command = [*pytest, "-k", "not lints", path_of(name)]
         environment = os.environ | {"EVCOT_VERILOG": str(verilog), "EVCOT_CACHE": str(cache), "NUMBA_CACHE_DIR": str(KERNELS)}
         done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-        failed = re.search(r"^(?:FAILED|ERROR) tests/hw/(?:\w+/)*(.*?)(?: - .*)?$", done.stdout, re.MULTILINE)
+        failed = re.search(r"^(?:FAILED|ERROR) tests/hw/(?:\w+/)*([\w.:]+)", done.stdout, re.MULTILINE)
         if "ToolchainError" in done.stdout or done.returncode > 1 or (done.returncode and not failed):
             raise SystemExit(f"{name} did not run on {verilog}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
         if failed:
@@ -89,34 +81,30 @@ def verdict(mutation: Mutation) -> list[str]:
         return first_failures(verilog, mutation.tests, cache)
 
 
-def row_of(mutation: Mutation, caught: str) -> str:
-    """Its row in the table."""
-    return f"| {mutation.meaning} | `{mutation.file}` | {caught} |"
-
-
-def known_row(mutation: Mutation) -> str | None:
-    """What the table says of a mutation that was caught."""
-    head = row_of(mutation, "`").removesuffix(" |")
-    return next((row for row in TABLE.read_text(encoding="utf-8").splitlines() if row.startswith(head)), None)
-
-
-def write_table(everything: Sequence[Mutation], rows: Mapping[Mutation, str]) -> None:
-    """All mutations in their order: what was tried now, and what the table says of the others."""
-    merged = [rows.get(mutation) or known_row(mutation) for mutation in everything]
-    TABLE.write_text(HEADING + "".join(f"{row}\n" for row in merged if row), encoding="utf-8")
+def write(mutation: Mutation, caught: Sequence[str]) -> None:
+    """Write the tests that caught a mutation into its block of mutations.toml."""
+    tests = f"tests = [{', '.join(map(json.dumps, caught))}]"
+    if len(tests) > _COLUMNS:
+        tests = "\n".join(["tests = [", *(f"    {json.dumps(test)}," for test in caught), "]"])
+    text = MISTAKES.read_text(encoding="utf-8")
+    begin = text.index(f'[["{mutation.file}"]]\nmeaning = {json.dumps(mutation.meaning, ensure_ascii=False)}\n')
+    block, gap, rest = text[begin:].partition("\n\n")
+    block = re.sub(r"^tests = \[[^\]]*\]", lambda _: tests, block, flags=re.MULTILINE)
+    MISTAKES.write_text(text[:begin] + block + gap + rest, encoding="utf-8")
 
 
 def main() -> int:
     """Exit code 0 when every mutation was caught."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--write", action="store_true", help=f"write what was tried to {TABLE.relative_to(ROOT)}")
+    parser.add_argument("--write", action="store_true", help=f"write the tests that failed to {MISTAKES.name}")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutations tried at a time (default: one per core)")
     parser.add_argument("--only", default="", help="only mutations whose file or meaning contains this")
-    parser.add_argument("--new", action="store_true", help="only mutations that the table does not have yet")
+    parser.add_argument("--new", action="store_true", help="only mutations without the name of a test")
     options = parser.parse_args()
     os.environ.setdefault("EVCOT_CACHE", str(ROOT / "build" / "cache"))
-    everything = list(mutations())
-    chosen = [m for m in everything if options.only in f"{m.file} {m.meaning}" and not (options.new and known_row(m))]
+    chosen = [m for m in mutations() if options.only in f"{m.file} {m.meaning}"]
+    if options.new:
+        chosen = [m for m in chosen if any("::" not in test for test in m.tests)]
 
     rtl = rtl_files()
     for mutation in chosen:  # raises at once where a text is gone
@@ -125,14 +113,13 @@ def main() -> int:
     if broken := first_failures(verilog_dir(), every_test, cache_dir()):
         raise SystemExit(f"fails on the RTL as it is: {', '.join(broken)}")
 
-    rows, survivors = {}, 0
+    survivors = 0
     with ThreadPoolExecutor(options.jobs) as pool:
         for mutation, caught in zip(chosen, pool.map(verdict, chosen), strict=True):
             survivors += not caught
-            rows[mutation] = row_of(mutation, ", ".join(f"`{name}`" for name in caught) or "**nothing**")
-            print(rows[mutation], flush=True)
-            if options.write:  # whatever becomes of the rest
-                write_table(everything, rows)
+            print(f"{mutation.file}: {mutation.meaning}: {', '.join(caught) or 'SURVIVED'}", flush=True)
+            if options.write and caught:  # at once, whatever becomes of the rest
+                write(mutation, caught)
     print(f"{len(chosen)} mutations, {survivors} survived")
     return int(survivors > 0)
 

@@ -2,8 +2,9 @@
 """Builds the documentation's site with Sphinx: `make docs`.
 
 The pages are the repository's own Markdown, each where it lies there, so that links between them work in both. Staged with
-them is whatever they link to; a link to a folder leads to a list of its files. The navigation is that of docs/README.md. The
-API reference is made by pdoc. At the end every link of the site is followed: one that leads nowhere is an error.
+them is whatever they link to; a link to a folder leads to a list of its files. The navigation is that of docs/README.md, and
+a section for the pages that are made here: the modules, the mutations of the RTL, and the API reference by pdoc. At the end
+every link of the site is followed: one that leads nowhere is an error.
 """
 
 from __future__ import annotations
@@ -12,12 +13,15 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections import deque
 from collections.abc import Iterator
 from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+
+from evcot_cosim.pages.modules import page as modules_page
 
 __all__ = ["build", "dead_links", "navigation", "stage"]
 
@@ -30,6 +34,15 @@ _REFERENCE_TEXT = """# API reference
 
 Every module, class and function, made from their docstrings: <a href="api/evcot.html">evcot</a>,
 <a href="api/evcot_cosim.html">evcot_cosim</a>.
+"""
+_MODULES, _MUTATIONS = "docs/modules.md", "docs/mutations.md"
+_MUTATIONS_HEAD = """# Mutations of the RTL
+
+Each row is the RTL with one mistake in it, and the tests that fail on it. `make mutants` makes every mistake, runs these
+tests on the broken copy, and fails if a mistake goes unnoticed. The list is `tests/mutations.toml`.
+
+| mutation | in | caught by |
+|---|---|---|
 """
 _STATIC = ("site.css",)
 _FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
@@ -105,13 +118,23 @@ def navigation() -> dict[str, list[str]]:
 
 def _toctrees() -> str:
     """The navigation as Sphinx wants it, for the end of the first page."""
-    trees = {"": ["docs/README.md"], **navigation(), "Project": [*_BEGIN[2:], _REFERENCE]}
+    trees = {"": ["docs/README.md"], **navigation(), "Reference": [_MODULES, _MUTATIONS, _REFERENCE], "Project": [*_BEGIN[2:]]}
     return "\n".join(_toctree(title, pages) for title, pages in trees.items())
 
 
 def _toctree(title: str, pages: list[str]) -> str:
     caption = [f":caption: {title}"] if title else []
     return "\n".join(["", "```{toctree}", ":hidden:", *caption, "", *pages, "```", ""])
+
+
+def _mutations_page() -> str:
+    listed = tomllib.loads((_ROOT / "tests" / "mutations.toml").read_text(encoding="utf-8"))
+    rows = [
+        f"| {one['meaning']} | `{file}` | {', '.join(f'`{test}`' for test in one['tests'])} |\n"
+        for file, mistakes in listed.items()
+        for one in mistakes
+    ]
+    return _MUTATIONS_HEAD + "".join(rows)
 
 
 _MOVED = '<!DOCTYPE html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=README.html"><title>evcot</title>\n'
@@ -165,6 +188,8 @@ def build(folder: Path) -> Path:
     with (source / _MAIN).open("a", encoding="utf-8") as first:
         first.write(_toctrees())
     (source / _REFERENCE).write_text(_REFERENCE_TEXT, encoding="utf-8")
+    (source / _MODULES).write_text(modules_page(), encoding="utf-8")
+    (source / _MUTATIONS).write_text(_mutations_page(), encoding="utf-8")
     (folder / "static").mkdir()
     for name in _STATIC:
         shutil.copyfile(here / name, folder / "static" / name)

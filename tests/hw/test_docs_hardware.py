@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/hardware.md and docs/modules.md: made from the RTL as it is now, and examples that the tools take."""
+"""docs/hardware.md and the page of modules: made from the RTL as it is now, and examples that the tools take."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_a_diagram_of_a_stall_that_holds_nothing_up_is_refused() -> None:
 
 @pytest.fixture(scope="module")
 def modules() -> str:
-    """The text of docs/modules.md, as it would be generated."""
+    """The text of the page of modules."""
     return page()
 
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generator of the hardware documentation's pages and pictures from the RTL: `python -m evcot_cosim.pages`."""
+"""Generator of the hardware documentation's pages and pictures from the RTL: `make generate` and `make docs`."""

@@ -3,12 +3,12 @@
 
 `python -m evcot_cosim.pages.generated` writes what is stale. What follows from the register map, and so what this module
 imports, must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures that take synthesis
-or a benchmark (hw/fpga/figures.json, docs/mutations.md) are not among them; docs/fpga.md is, for the marks of figures that are
-outdated.
+(hw/fpga/figures.json) are not among them; docs/fpga.md is, for the marks of figures that are outdated.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Mapping
 from functools import cache, partial
@@ -23,14 +23,23 @@ from ..fpga.core import core_text
 from ..fpga.headers import HEADERS
 from ..fpga.outdated import page as figures_page
 from ..rtl.files import verilog_dir
-from .__main__ import source_text, title
 from .drawing import svg
 from .guides import alike, guide, pictures, scripts
 from .interfaces import DIAGRAMS
-from .modules import page
 from .trace import Diagram
 
 __all__ = ["FILES", "stale", "write_stale"]
+
+
+def _source(diagram: Diagram) -> str:
+    """The JSON source of a diagram, with one lane per line."""
+    lines = ",\n  ".join(json.dumps(lane, ensure_ascii=False) for lane in diagram["signal"])
+    return f'{{"signal": [\n  {lines}\n],\n"config": {json.dumps(diagram["config"])}}}\n'
+
+
+def _title(name: str) -> str:
+    return (DIAGRAMS[name].__doc__ or "").splitlines()[0]
+
 
 _diagram: Callable[[str], Diagram] = cache(lambda name: DIAGRAMS[name]())
 _rendered = cache(render)
@@ -39,9 +48,9 @@ FILES: Mapping[str, Callable[[], str]] = MappingProxyType(
     {path: partial(lambda path: _rendered()[path], path) for path in _rendered()}
     | {"hw/evcot.core": core_text}
     | {f"hw/fpga/{name}": text for name, text in HEADERS.items()}
-    | {f"docs/timing/{name}.json": partial(lambda name: source_text(_diagram(name)), name) for name in DIAGRAMS}
-    | {f"docs/images/timing_{name}.svg": partial(lambda name: svg(_diagram(name), title(name)), name) for name in DIAGRAMS}
-    | {"docs/modules.md": page, "docs/fpga.md": figures_page}
+    | {f"docs/timing/{name}.json": partial(lambda name: _source(_diagram(name)), name) for name in DIAGRAMS}
+    | {f"docs/images/timing_{name}.svg": partial(lambda name: svg(_diagram(name), _title(name)), name) for name in DIAGRAMS}
+    | {"docs/fpga.md": figures_page}
     | {f"docs/guides/{script.stem}.md": partial(lambda script: guide(script).page, script) for script in scripts()}
 )
 """Path in the source tree -> function that returns its text."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/modules.md: a section for each module, from its own header comment, its parameters and ports, and the figures."""
+"""The page of modules: a section for each, from its own header comment, its parameters and ports, and the figures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["page"]
 _SUBJECT = re.compile(r"^([A-Z][A-Za-z ]{2,24}: +|[a-z]\w*: {2,})(?=\S)")
 _HEAD = """# Modules
 
-Made from `hw/verilog` and `hw/fpga/figures.json` by `python -m evcot_cosim.pages`, in the order of `manifest.txt`: each after
+Made from `hw/verilog` and `hw/fpga/figures.json` by `make docs`, in the order of `manifest.txt`: each after
 the modules that it instantiates. The text is each file's header comment. A stream is listed as one bundle of ports: valid,
 ready and its data; `clk`, `rst` and self-explanatory ports are left out. Cost as in [fpga.md](fpga.md), at N = 8 where
 there is an N (an example at its own), and † marks what was measured before the module last changed; a module without such a

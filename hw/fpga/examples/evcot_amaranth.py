@@ -27,7 +27,7 @@ def _stream(width: int, flow: Any, back: Any) -> dict[str, Any]:
 
 
 class Evcot(Component):
-    """The tracker: its parameters by name, as in docs/modules.md."""
+    """The tracker: its parameters by name, as in evcot_top.v."""
 
     def __init__(self, N: int = 8, X_W: int = 9, Y_W: int = 9, DATA_W: int = 64, **parameters: int) -> None:
         self._parameters = {"N": N, "X_W": X_W, "Y_W": Y_W, "DATA_W": DATA_W, **parameters}

@@ -19,7 +19,7 @@ __all__ = ["Evcot"]
 
 
 class Evcot(LiteXModule):
-    """The tracker: its parameters by name, as in docs/modules.md; owned and passed events are accepted and dropped."""
+    """The tracker: its parameters by name, as in evcot_top.v; owned and passed events are accepted and dropped."""
 
     def __init__(self, platform: Any, source_file: str, **parameters: int) -> None:
         self.bus = bus = axi.AXILiteInterface(data_width=32, address_width=14)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bench for evcot_top written from docs/modules.md and docs/registers.md alone, without our Python: run in Icarus.
+// A bench for evcot_top written from its header and docs/registers.md alone, without our Python: run in Icarus.
 //
 //     iverilog -g2005 -I... -y... -s integrator_tb -o tb integrator_tb.v && vvp tb
 //

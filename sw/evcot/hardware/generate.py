@@ -239,7 +239,6 @@ def render() -> dict[str, str]:
         "hw/include/evcot_regs.h": vocabulary,
         "sw/evcot/hardware/register_access.py": vocabulary,
         "docs/registers.md": vocabulary,
-        "docs/registers.html": vocabulary,
     }  # fmt: skip
     environment = templates("evcot.hardware", trim_blocks=True)
     return {path: environment.get_template(f"{Path(path).name}.j2").render(**values) for path, values in contents.items()}
