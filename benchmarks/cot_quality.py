@@ -3,7 +3,7 @@
 
 On the real motorway (whole, and both halves apart: the preset was tuned on the first) and on simulated motorways and discs of
 seeds that it was not tuned on; beside the preset for the sensor, which nobody tuned, and the software tracker.
-`python benchmarks/cot_quality.py` prints the tables of docs/choices.md.
+`python benchmarks/cot_quality.py` prints the tables of docs/defaults.md.
 """
 
 from __future__ import annotations

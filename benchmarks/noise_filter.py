@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motion step and activity filter of the array with motion, the same on every recording: a table of docs/choices.md.
+"""Motion step and activity filter of the array with motion, the same on every recording: docs/defaults.md names the sets.
 
 python benchmarks/noise_filter.py                      # seed sets 1, 2 and 21, on which they were chosen; ten minutes
 python benchmarks/noise_filter.py --seed-sets 100 101  # others; recordings that do not depend on the set are left out

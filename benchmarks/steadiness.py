@@ -7,7 +7,7 @@ python benchmarks/steadiness.py --against before.json  # differences of equal re
 
 What is lost is the same in every run, so that differences are of the tracker alone. A change that helps one recording by 0.05
 and hurts the next as much is no progress: look at a family's mean beside its standard error, and with `--losses-from` at other
-losses than those on which the change was chosen. Members that docs/choices.md keeps for the end are left out.
+losses than those on which the change was chosen. Members of test sets are left out.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = ["differences", "main", "spread"]
 
 _LOST = 0.1
 _RECORDED = "traffic", "pendulum, recorded", "hand"
-_FOR_THE_END = "transposed", "x 0.5", "60 % lost", "1 Hz a pixel"  # of traffic: unseen in docs/choices.md
+_FOR_THE_END = "transposed", "x 0.5", "60 % lost", "1 Hz a pixel"  # of traffic: test, never scored here
 
 Scores = Mapping[str, Mapping[str, Sequence[float]]]  # family -> member -> HOTA by loss
 

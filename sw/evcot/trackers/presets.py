@@ -67,7 +67,7 @@ def _sensor(name: str, radius_px: int, n_ev: int, lifetime_us: int) -> RunConfig
 
 
 def _traffic() -> RunConfig:
-    """Cars seen from a bridge, on a sensor of about 346x260; docs/choices.md describes the tuning and the results.
+    """Cars seen from a bridge, on a sensor of about 346x260; docs/defaults.md says how it was tuned.
 
     With events of one polarity a car is one edge instead of two, which fits into a window.
     """
@@ -106,7 +106,7 @@ def _discs() -> RunConfig:
 def _motion() -> RunConfig:
     """Objects of any size that move: the extended contract (docs/motion.md).
 
-    The registers that differ from those after a reset were found by a search over many kinds of scenes (docs/choices.md).
+    The registers that differ from those after a reset were found by a search over many kinds of scenes (docs/defaults.md).
     """
     registers = MotionRegisters(
         enable=1, step_log2=12, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, friction=5, coast_slow=2, nev_high=325,
