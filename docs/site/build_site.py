@@ -62,8 +62,9 @@ def links(text: str) -> list[str]:
 
 
 def stage(into: Path) -> None:
-    """Copy the pages, and what they link to, into a folder, each where it lies in the repository."""
-    waiting, done = deque(_BEGIN), set(_BEGIN)
+    """Write the pages, and what they link to, into a folder, each where it lies, or would lie, in the repository."""
+    made = {_MODULES: modules_page, _MUTATIONS: _mutations_page}
+    waiting, done = deque((*_BEGIN, *made)), {*_BEGIN, *made}
     while waiting:
         path = waiting.popleft()
         source, target = _ROOT / path, into / path
@@ -73,7 +74,7 @@ def stage(into: Path) -> None:
             (target / "index.md").write_text(_listing(path), encoding="utf-8")
             found = [f"{path}/{each.name}" for each in _files(source)]
         elif source.suffix == ".md":
-            text = source.read_text(encoding="utf-8")
+            text = made[path]() if path in made else source.read_text(encoding="utf-8")
             target.write_text(_LINK.sub(partial(_to_index, page=source), text), encoding="utf-8")
             found = [_within(source.parent / link) for link in links(text)]
         else:
@@ -188,8 +189,6 @@ def build(folder: Path) -> Path:
     with (source / _MAIN).open("a", encoding="utf-8") as first:
         first.write(_toctrees())
     (source / _REFERENCE).write_text(_REFERENCE_TEXT, encoding="utf-8")
-    (source / _MODULES).write_text(modules_page(), encoding="utf-8")
-    (source / _MUTATIONS).write_text(_mutations_page(), encoding="utf-8")
     (folder / "static").mkdir()
     for name in _STATIC:
         shutil.copyfile(here / name, folder / "static" / name)
