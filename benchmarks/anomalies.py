@@ -5,7 +5,7 @@ Normal motion is learned from one seed without anomalies; the others have two of
 the tracker's place, which tests the rules alone, and with two trackers. `TUNED` are the seeds on which the rules were chosen,
 `FRESH` those on which nothing was. Scenes are kept in build/anomalies, as they take minutes.
 
-    python benchmarks/anomalies.py [tuned] [truth kalman rct]
+    python benchmarks/anomalies.py [tuned] [truth auto rct]
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+import evcot
 from evcot.anomalies import anomalies, learn
 from evcot.anomalies.score import AlarmScores, score_alarms, truth_log
 from evcot.events import Events, Recording
@@ -24,8 +25,6 @@ from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.scenes.registry import simulate_scene
 from evcot.scenes.truth import Label, Truth
-from evcot.trackers.kalman import tracker as kalman
-from evcot.trackers.kalman.presets import PRESETS as KALMAN_PRESETS
 from evcot.trackers.rct import tracker as rct
 from evcot.trackers.rct.presets import FILTERS, PRESETS
 from evcot.tracks.log import TrackLog
@@ -52,7 +51,7 @@ def _rct(recording: Recording, _truth: Truth) -> TrackLog:
 
 ENGINES: dict[str, Engine] = {
     "truth": lambda _recording, truth: truth_log(truth),
-    "kalman": lambda recording, _truth: kalman.track(recording, KALMAN_PRESETS["road"]),
+    "auto": lambda recording, _truth: evcot.track(recording, "auto"),
     "rct": _rct,
 }
 

@@ -12,8 +12,6 @@ from evcot.recordings.files import read_recording
 from evcot.trackers.auto.config import AutoConfig
 from evcot.trackers.auto.tracker import AutoTracker
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.kalman.presets import PRESETS
-from evcot.trackers.kalman.tracker import KalmanTracker
 from evcot.trackers.presets import FOLLOWING
 from evcot.tracks.tracking import Tracker
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
@@ -29,17 +27,14 @@ _GOALS_M_EVENTS_S = {4: 50.0, 32: 20.0}
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """For 4 and 32 discs: auto_<discs> in M events/s, and auto_kalman_<discs>, its rate by that of the
-    Kalman tracker; following_<discs> and following_auto_<discs>, the same of the default tracker by `auto`. Last, for each
-    recording that is there, following_<name>: ns an event, and `auto`'s beside it.
+    """For 4 and 32 discs: auto_<discs> and following_<discs>, the default tracker, in M events/s, and following_auto_<discs>,
+    the rate of the default divided by that of `auto`. For each recording that is there: following_<name>, ns per event.
     """
     for discs, goal in _GOALS_M_EVENTS_S.items():
         events = streams.joined(300_000 if quick else 2_000_000, discs=discs)
         trackers = _without_settings(streams.WIDTH, streams.HEIGHT)
-        trackers["kalman"] = lambda: KalmanTracker(PRESETS["discs"], streams.WIDTH, streams.HEIGHT)
         seconds = _seconds(trackers, events, quick)
         yield Result(f"auto_{discs}", len(events) / seconds["auto"] / 1e6, "M events/s", goal, "goal", goal=Goal(1))
-        yield Result(f"auto_kalman_{discs}", seconds["kalman"] / seconds["auto"], "times", 1.0, "kalman, discs")
         rate = len(events) / seconds["following"] / 1e6
         yield Result(f"following_{discs}", rate, "M events/s", goal, "goal", goal=Goal(1))
         yield Result(f"following_auto_{discs}", seconds["auto"] / seconds["following"], "times", 1.0, "auto")

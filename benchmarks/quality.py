@@ -105,7 +105,7 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
                 yield from _of_traffic(title, found, how)
                 continue
             yield Result(f"{title}_hota", found.hota, "HOTA", how=how)
-            if name.startswith(_PER_MINUTE) and engine in ("rct", "kalman"):
+            if name.startswith(_PER_MINUTE) and engine == "rct":
                 yield from _of_discs(title, found, how, 2 if "crossing" in name else 0)
 
 

@@ -38,7 +38,6 @@ _BENCHMARKS = (
     "table2",
     "cot_quality",
     "auto",
-    "kalman",
     "anomalies",
     "quality",
     "live",

@@ -65,7 +65,7 @@ print(f"{len(clean.events):,} of {len(recording.events):,} events stay ({keep.me
 
 # %%
 logs = {}
-for name in ("rct", "kalman"):
+for name in ("rct", "frames"):
     engine = ENGINES[name]
     logs[name] = track_recording(name, engine.start(engine.presets["discs"], filters, sensor), recording)
     owned = (logs[name].owner >= 0).mean()
@@ -99,7 +99,7 @@ for name, log in logs.items():
 # One line per birth, move, merge and loss. `save_npz` keeps the owner of every event, too, and `TrackLog.load_npz` reads it.
 
 # %%
-logs["kalman"].write_csv("discs.tracks.csv")
+logs["rct"].write_csv("discs.tracks.csv")
 with open("discs.tracks.csv") as file:
     for _ in range(3):
         print(file.readline(), end="")

@@ -6,8 +6,7 @@ medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with 
 
 - `_nrt`: False: no reference counting in a function that owns no array: 1.11, 1.17, 1.09, 1.35.
 - `forceinline`: a function that is called for each event and takes a tracker's whole state, thirty tables, would have them
-  copied for each call. In the Kalman tracker (`benchmarks/run.py kalman`, 4 and 32 discs): 1.9 and 2.1 (`traffic`), 3.2 and
-  2.0 (`discs`), 1.7 and 3.0 (`road`).
+  copied for each call: 1.7 to 3.2 in a tracker with a state of that size.
 - `trailing_zeros`: one instruction, instead of the documented way by the exponent of a float: 1.06, 1.04, 1.04, 1.01.
 - `no_cpython_wrapper`, `no_cfunc_wrapper`: no wrapper for calls from Python, which saves a third of the compile time. With
   them the golden model without motion is compiled in 3.6 s instead of 5.6 and 1.03 times as fast, that with motion 1.08.

@@ -101,7 +101,7 @@ def test_a_simulation_repeats() -> None:
 def test_bad_input_is_one_line(scene: evcot.Scene, tmp_path: Path) -> None:
     recording = scene.recording
     for make, error, message in (
-        (lambda: evcot.track(recording, "rtc"), evcot.ConfigError, "engine rtc: must be one of auto, rct, kalman,"),
+        (lambda: evcot.track(recording, "rtc"), evcot.ConfigError, "engine rtc: must be one of auto, rct, mean-shift,"),
         (lambda: evcot.track(recording, "rct", "cars"), evcot.ConfigError, "preset cars: must be one of plain"),
         (lambda: evcot.track(recording, radium=3), evcot.ConfigError, "cot.radium: no such setting: must be one of"),
         (lambda: evcot.track(recording, "rct", radius_px=-1.0), evcot.ConfigError, "rct.radius_px = -1.0: must be from "),

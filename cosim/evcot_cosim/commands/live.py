@@ -18,7 +18,7 @@ _EXAMPLES = """
 evcot live drive.aedat4                        # a file in real time, in the terminal
 evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed; engine and place are chosen there
 evcot live drive.aedat4 --web --with-hardware  # hardware in simulation beside the software tracker
-evcot live tcp://127.0.0.1:7777 --engine kalman --preset traffic --save seen.aedat4
+evcot live tcp://127.0.0.1:7777 --engine rct --preset traffic --save seen.aedat4
 evcot live camera --web                        # needs pip install evcot[camera]
 evcot live drive.aedat4 --json
 """

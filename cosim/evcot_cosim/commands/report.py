@@ -16,7 +16,7 @@ _EXAMPLES = """
 evcot report build/cosim/drive                              # writes build/cosim/drive/report.html anew
 evcot report build/cosim/drive --truth drive.csv --rule traffic
 evcot report log.npz --recording drive.aedat4 -o drive.html # for a log of `evcot track`
-evcot report build/cosim/drive kalman.npz -o all.html       # with further engines beside hardware and software
+evcot report build/cosim/drive frames.npz -o all.html       # with further engines beside hardware and software
 evcot report build/cosim/before build/cosim/after -o changed.html   # two runs compared: settings, figures, scores, tracks
 """
 

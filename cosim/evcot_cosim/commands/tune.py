@@ -15,7 +15,7 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot tune a.aedat4 b.aedat4 c.aedat4 --engine rct --preset traffic -o mine.toml     # truth: a.truth.csv or a_gt.csv beside a
-evcot tune drive.aedat4 --truth drive.csv --engine kalman -o mine.toml     # chosen on its first part, validated on the rest
+evcot tune drive.aedat4 --truth drive.csv --engine frames -o mine.toml     # chosen on its first part, validated on the rest
 evcot tune a.raw b.raw --engine cot --field cot.init_radix=6..20 --field shape.n_slots=4,8 -o mine.toml
 evcot track d.aedat4 --engine rct --config mine.toml -o log.npz                      # use the result
 """

@@ -80,12 +80,6 @@ def _rct() -> _Parts:
     return _Parts(presets.PRESETS, _software(tracker.RctTracker), presets.FILTERS)
 
 
-def _kalman() -> _Parts:
-    from .kalman import presets, tracker
-
-    return _Parts(presets.PRESETS, _software(tracker.KalmanTracker))
-
-
 def _auto() -> _Parts:
     from .auto import estimates, presets
 
@@ -124,7 +118,6 @@ def _cot() -> _Parts:
 ENGINES: dict[str, Engine] = {
     "auto": Engine("objects by motion, with settings read off the stream", _auto),
     "rct": Engine("Rectangular Cluster Tracker", _rct),
-    "kalman": Engine("extended objects by Kalman filters", _kalman),
     "mean-shift": Engine("mean shift on packets of events", _mean_shift),
     "frames": Engine("connected components of frames", _frames),
     "cot": Engine("golden model of the hardware", _cot),

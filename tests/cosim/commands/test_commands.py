@@ -65,7 +65,7 @@ def test_one_word_means_the_same_in_every_command(command: str) -> None:
     ("typed", "offered"),
     [
         ("evcot co", {"cosim", "convert", "completion"}),
-        ("evcot track x --engine k", {"kalman"}),
+        ("evcot track x --engine fr", {"frames"}),
         ("evcot cosim --sta", {"--stalls"}),
     ],
 )
@@ -105,9 +105,9 @@ def test_fish_has_every_command_option_and_value(capsys: Capture) -> None:
 @pytest.mark.skipif(shutil.which("fish") is None, reason="needs fish")
 def test_fish_completes(capsys: Capture, tmp_path: Path) -> None:
     (tmp_path / "evcot.fish").write_text("\n".join(fish_script(capsys)))
-    script = "source evcot.fish; complete -C 'evcot track x --engine k'"
+    script = "source evcot.fish; complete -C 'evcot track x --engine fr'"
     done = subprocess.run(["fish", "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert "kalman" in done.stdout
+    assert "frames" in done.stdout
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -141,7 +141,7 @@ def test_help_fits_the_terminal_and_its_examples_can_be_copied(columns: int, mon
     [
         (["trak", "x"], "did you mean track?"),
         (["cosim", "--presett", "slow"], "did you mean --preset?"),
-        (["track", "x", "--engine", "kallman"], "did you mean kalman?"),
+        (["track", "x", "--engine", "framse"], "did you mean frames?"),
         (
             ["track", "--engin", "rct"],
             "the following arguments are required: FILE",

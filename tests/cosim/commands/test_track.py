@@ -185,7 +185,7 @@ def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.Capt
     [
         ("--preset trafic", "--preset trafic: must be one of plain, traffic, discs with --engine rct; did you mean traffic?"),
         ("--preset none", "--preset none: must be one of plain"),
-        ("--engine kalman --preset cars", "--preset cars: must be one of traffic, discs, road with --engine kalman"),
+        ("--engine frames --preset cars", "--preset cars: must be one of discs, traffic with --engine frames"),
         (
             "--engine mean-shift --preset x",
             "--preset x: must be one of discs, discs-frames, traffic, traffic-frames with --engine mean-shift",

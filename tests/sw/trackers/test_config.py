@@ -195,7 +195,7 @@ class TestSoftware:
         path.write_text("[software_filters]\n")
         assert load_toml(path, RunConfig(filters=FilterConfig(refractory_us=7))).in_front_of_software == FilterConfig()
 
-    @pytest.mark.parametrize("name", ["kalman", ["rct"]])
+    @pytest.mark.parametrize("name", ["frames", ["rct"]])
     def test_none_but_those_that_run_beside_the_hardware(self, name: object) -> None:
         with pytest.raises(ConfigError) as caught:
             RunConfig(software=name)  # type: ignore[arg-type]

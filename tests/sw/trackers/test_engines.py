@@ -12,14 +12,12 @@ import evcot
 from evcot.trackers.auto import kernel as auto
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.frame_based import kernel as frame_based
-from evcot.trackers.kalman import kernel as kalman
 from evcot.trackers.mean_shift import clusters as mean_shift
 from evcot.trackers.rct import kernel as rct
 
 LOOPS: dict[str, Any] = {
     "auto": auto.feed,
     "rct": rct.feed,
-    "kalman": kalman.feed,
     "mean-shift": mean_shift.group,
     "frames": frame_based.follow,
 }

@@ -16,7 +16,6 @@ from evcot.filters.run import apply, filtered
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.frame_based.config import FrameConfig
-from evcot.trackers.kalman.config import KalmanConfig
 from evcot.trackers.mean_shift.config import MeanShiftConfig
 from evcot.trackers.rct.config import RctConfig
 from evcot.trackers.rct.tracker import RctTracker
@@ -28,7 +27,6 @@ FILTERS = FilterConfig(activity_us=3_000)
 # Settings of each engine with which noise is never an object.
 QUIET: dict[str, Any] = {
     "rct": RctConfig(visible_events=10_000),
-    "kalman": KalmanConfig(),
     "mean-shift": MeanShiftConfig(points_min=1_000),
     "frames": FrameConfig(),
 }
@@ -76,7 +74,7 @@ def test_a_run_of_which_nothing_stays() -> None:
     assert tracker.finish()["event_index"].tolist() == [5]
 
 
-@pytest.mark.parametrize("engine", ["rct", "kalman", "mean-shift", "frames", "cot"])
+@pytest.mark.parametrize("engine", ["rct", "mean-shift", "frames", "cot"])
 def test_no_record_is_of_a_settled_event_and_packets_settle(engine: str) -> None:
     kind = ENGINES[engine]
     preset = kind.presets["discs"] if "discs" in kind.presets else next(iter(kind.presets.values()))
@@ -94,7 +92,7 @@ def test_no_record_is_of_a_settled_event_and_packets_settle(engine: str) -> None
     assert (tracker.finish()["event_index"] >= settled).all()
 
 
-@pytest.mark.parametrize("engine", ["rct", "kalman", "mean-shift", "frames"])
+@pytest.mark.parametrize("engine", ["rct", "mean-shift", "frames"])
 def test_memory_does_not_grow_with_the_recording_though_no_record_comes(engine: str) -> None:
     """Noise, of which every second event stays, for 10 s and longer: no tracker sees an object in it."""
     random = np.random.default_rng(5)

@@ -117,10 +117,10 @@ def test_every_file_of_a_long_log_must_be_there_and_none_is_overwritten(log: Tra
     for force in (False, True):
         log.save(path, force=force)
         assert same(TrackLog.load(path), log)
-    stranger = TrackLog("kalman", log.records, log.owner, log.recording)
+    stranger = TrackLog("frames", log.records, log.owner, log.recording)
     stranger.save(tmp_path / "stranger.parquet")
     (tmp_path / f"stranger.{in_files - 1}.parquet").replace(last)
-    with pytest.raises(TrackLogError, match=f"{last.name}: is of engine, recording .'kalman', .*: must go on with log.parquet"):
+    with pytest.raises(TrackLogError, match=f"{last.name}: is of engine, recording .'frames', .*: must go on with log.parquet"):
         TrackLog.load(path)
     last.unlink()
     with pytest.raises(TrackLogError, match=f"log.parquet: the last row is no END, and there is no {last.name}: must be"):

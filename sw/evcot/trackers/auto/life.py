@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 from ...tracks.log import Kind
-from ..kalman.motion import predict
 from .births import BIRTH_US, find_births, list_living
 from .layout import CELL_BITS, INSIDE, NEAR, NOBODY, UNSET_US, Rules, World
 from .look import look
+from .motion import predict
 from .unity import are_one
 
 __all__ = ["RECORDS_PER_PACKET", "close_packet", "open_packet"]

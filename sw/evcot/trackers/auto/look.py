@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 from ...bits import lowest, without_lowest
-from ..kalman.motion import correct
 from .bins import NO_BINS, clear, fill, find_parts, pixels_in, smooth, span
 from .layout import BINS, CELL_BITS, NOBODY, Rules, World
+from .motion import correct
 from .unity import are_parts
 
 __all__ = ["look", "look_at_group"]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 
-__all__ = ["correct", "predict", "turn_back"]
+__all__ = ["correct", "predict"]
 
 Table = NDArray[Any]
 
@@ -48,20 +48,3 @@ def correct(s: Table, p: Table, sign: float, off_px: float, variance: float) -> 
         s[i] += gain * off_px
         for k in range(4):
             p[i, k] -= gain * row[k]
-
-
-@step
-def turn_back(s: Table, p: Table, size: int) -> None:
-    """Mirror one axis' state (4,) and covariance (4, 4) at the edge of `size` pixels that the box has passed on its way out."""
-    low, high = -0.5 - (s[0] - s[2]), s[0] + s[2] - (size - 0.5)
-    if low > 0.0 and s[1] < 0.0:
-        s[0] += 2.0 * low
-    elif high > 0.0 and s[1] > 0.0:
-        s[0] -= 2.0 * high
-    else:
-        return
-    s[1] = -s[1]
-    for moved in range(2):
-        for size_of in range(2, 4):
-            p[moved, size_of] = -p[moved, size_of]
-            p[size_of, moved] = -p[size_of, moved]
