@@ -3,8 +3,9 @@
 
 - A file appears under its name only when it is complete. An existing file is refused, unless `force` allows replacing it.
 - Links are followed: the target is checked and written. Pipes, character devices and open descriptors are written through.
-- A folder is replaced only if evcot made it, and only the files in it that evcot wrote: the table `[files]` of its run.toml
-  lists them with their digests. Files that the user added or changed are never touched.
+- A folder is replaced only by the command that made it, and only the files in it that this command wrote: run.toml names the
+  command and lists the files with their digests. Files that the user added or changed are never touched, and a list with
+  anything but plain names of files in the folder is none.
 - An output is never an input of the same call, nor another output of it: files are compared by inode, not by name.
 """
 
@@ -36,6 +37,7 @@ __all__ = [
     "check_folder",
     "folder_written_aside",
     "is_own_file",
+    "is_plain_name",
     "new_file",
     "note_input",
     "own_files",
@@ -47,10 +49,11 @@ __all__ = [
 ]
 
 RUN_FILE = "run.toml"  # in every folder that evcot makes: the inputs, and the files that evcot wrote there
-_LIST = "\n[files]  # that evcot wrote here, with digests: only these are ever replaced\n"
+_LIST = "\n[made]  # the command that owns this folder, and the files that it wrote: only these are ever replaced\n"
 _MOVED_LAST = ("summary.json", RUN_FILE)  # without them a folder does not look complete
 _NEVER_READ = ("report.html", "picture.png")  # files of a run's folder that are not an input of any command
 _BLOCK = 1 << 20
+_RUN_FILE_BYTES = 1 << 24  # of run.toml: what is larger, evcot did not write
 _PARTIAL = re.compile(r"\..*\.[0-9a-f]{8}\.partial")  # left behind by a killed process
 _DESCRIPTOR = re.compile(r"/dev/std(out|err)|/(?:dev|proc/self)/fd/([0-9]+)")
 
@@ -227,17 +230,20 @@ def _in_one_line(name: Path | str) -> Iterator[None]:
 
 
 @contextmanager
-def folder_written_aside(folder: Path) -> Iterator[Path]:
+def folder_written_aside(folder: Path, command: str) -> Iterator[Path]:
     """Make a temporary folder next to `folder`, whose files are moved there if the block ends without an error.
 
-    Only files in `folder` that evcot wrote are replaced. run.toml is removed first and written last, so that a folder whose
-    replacement was interrupted does not look complete.
+    Only files in `folder` that this command wrote are replaced. run.toml is removed first and written last, so that a folder
+    whose replacement was interrupted does not look complete.
+
+    Args:
+        command: that makes the folder, such as "cosim"; no other command replaces files in it later.
 
     Raises:
-        OutputError: it contains files that evcot did not write, or cannot be written.
+        OutputError: another command made it, it contains files that evcot did not write, or cannot be written.
     """
     with _in_one_line(folder):
-        check_folder(folder)
+        check_folder(folder, command)
         target = _resolved(folder)
         parents = [parent for parent in target.parents if not parent.exists()]
         aside = _workplace(target)
@@ -245,9 +251,9 @@ def folder_written_aside(folder: Path) -> Iterator[Path]:
             aside.mkdir(parents=True)
             yield aside
             names = sorted(path.name for path in aside.iterdir())
-            _sign(aside)
+            _sign(aside, command)
             if target.exists():
-                check_folder(folder, names)
+                check_folder(folder, command, names)
                 _move_in(aside, target, names)
             else:
                 aside.rename(target)
@@ -259,8 +265,8 @@ def folder_written_aside(folder: Path) -> Iterator[Path]:
                 _remove_empty(parents)
 
 
-def check_folder(folder: Path, names: Collection[str] = (), title: str = "") -> None:
-    """Raise OutputError if these files may not be written into a folder; `title` names the option in the message."""
+def check_folder(folder: Path, command: str, names: Collection[str] = (), title: str = "") -> None:
+    """Raise OutputError if a command may not write these files into a folder; `title` names the option in the message."""
     name = f"{title} {folder}".strip()
     with _in_one_line(name):
         target = _resolved(folder)
@@ -274,6 +280,8 @@ def check_folder(folder: Path, names: Collection[str] = (), title: str = "") -> 
         own = own_files(target)
         if present and own is None:
             raise OutputError(f"{name}: holds files, and evcot did not make it: must be a new or an empty folder")
+        if own is not None and (maker := _made(target)[0]) != command:
+            raise OutputError(f"{name}: was made by evcot {maker}: must be another folder for evcot {command}")
         for file in sorted(present & {*names, *(own or ())}):
             if not is_own_file(target / file):
                 raise OutputError(
@@ -289,7 +297,7 @@ def own_files(folder: Path) -> frozenset[str] | None:
 
     A run.toml copied from elsewhere is not accepted: at least one other file must match its list.
     """
-    listed = _listed(folder)
+    listed = _made(folder)[1]
     if listed is None or not any(name != RUN_FILE and is_own_file(folder / name) for name in listed):
         return None
     return frozenset(listed)
@@ -297,7 +305,7 @@ def own_files(folder: Path) -> frozenset[str] | None:
 
 def is_own_file(path: Path) -> bool:
     """Whether a file is unchanged since evcot wrote it into a folder that evcot made."""
-    wanted = (_listed(path.parent) or {}).get(path.name)
+    wanted = (_made(path.parent)[1] or {}).get(path.name)
     return wanted is not None and _is_regular(path) and _digest(path) == wanted
 
 
@@ -307,42 +315,56 @@ def remade(path: Path) -> None:
     Raises:
         OutputError: the list cannot be written.
     """
-    listed = _listed(path.parent)
+    command, listed = _made(path.parent)
     if listed is not None and is_own_file(path.with_name(RUN_FILE)):
         run = path.with_name(RUN_FILE)
         text = run.read_text(encoding="utf-8").partition(_LIST)[0]
         aside = _beside(run)
         with _in_one_line(run):
             try:  # run.toml may be an input of the call: only its list is changed
-                aside.write_bytes((text + _listing(listed | {path.name: _digest(path)})).encode())
+                aside.write_bytes((text + _listing(command, listed | {path.name: _digest(path)})).encode())
                 os.replace(aside, run)
             finally:
                 aside.unlink(missing_ok=True)
 
 
-def _listed(folder: Path) -> dict[str, str] | None:
-    """The table [files] of a folder's run.toml, None if there is none."""
+def _made(folder: Path) -> tuple[str, dict[str, str] | None]:
+    """The command that made a folder, and its files with their digests, by run.toml; None if there is no such list.
+
+    Text in a file is no path: a list with anything but names of files in the folder itself is none.
+    """
     run = folder / RUN_FILE
-    if not _is_regular(run):
-        return None
+    if not _is_regular(run) or run.stat().st_size > _RUN_FILE_BYTES:
+        return "", None
     try:
-        files = tomllib.loads(run.read_text(encoding="utf-8")).get("files")
-    except (OSError, ValueError):
-        return None
-    return files if isinstance(files, dict) and all(isinstance(digest, str) for digest in files.values()) else None
+        _, mark, made = run.read_text(encoding="utf-8").partition(_LIST)
+        found = tomllib.loads(mark + made)
+    except (OSError, ValueError, RecursionError):
+        return "", None
+    files, command = found.get("files"), found.get("made", {}).get("command")
+    if not isinstance(files, dict) or not isinstance(command, str):
+        return "", None
+    plain = all(isinstance(digest, str) and is_plain_name(name) for name, digest in files.items())
+    return (command, files) if plain else ("", None)
 
 
-def _sign(folder: Path) -> None:
-    """Write the list of a folder's files to its run.toml."""
+def is_plain_name(name: str) -> bool:
+    """Whether a text is the name of a file in a folder, and not a path that leads elsewhere."""
+    return name not in ("", ".", "..") and not any(letter in name for letter in "/\\\0\n")
+
+
+def _sign(folder: Path, command: str) -> None:
+    """Write the command and the list of a folder's files to its run.toml."""
     run = folder / RUN_FILE
     if run.is_file():
         listed = {path.name: _digest(path) for path in sorted(folder.iterdir())}
         with run.open("ab") as file:
-            file.write(_listing(listed).encode())
+            file.write(_listing(command, listed).encode())
 
 
-def _listing(digests: dict[str, str]) -> str:
-    return _LIST + "".join(f'"{name}" = "{digest}"\n' for name, digest in digests.items())
+def _listing(command: str, digests: dict[str, str]) -> str:
+    files = "".join(f'"{name}" = "{digest}"\n' for name, digest in digests.items())
+    return f'{_LIST}command = "{command}"\n\n[files]\n{files}'
 
 
 def _digest(path: Path) -> str:
@@ -370,10 +392,11 @@ def _workplace(target: Path) -> Path:
 
 
 def _move_in(aside: Path, target: Path, names: Collection[str]) -> None:
-    for name in sorted(own_files(target) or (), key=RUN_FILE.__ne__):
+    unchanged = [name for name in own_files(target) or () if is_own_file(target / name)]
+    for name in sorted(unchanged, key=RUN_FILE.__ne__):
         (target / name).unlink(missing_ok=True)
     for name in sorted(names, key=lambda name: (name in _MOVED_LAST, name == RUN_FILE)):
-        os.rename(aside / name, target / name)
+        _place(aside / name, target / name, target / name, force=False)
 
 
 def _remove_empty(folders: Collection[Path]) -> None:
@@ -447,15 +470,15 @@ class Claims:
         check_file(path, title, force=force)
         self._files[title] = path
 
-    def write_folder(self, title: str, folder: Path, names: Collection[str] = ()) -> None:
-        """Claim a folder to write `names` into, for the option `title`.
+    def write_folder(self, title: str, folder: Path, command: str, names: Collection[str] = ()) -> None:
+        """Claim a folder for a command to write `names` into, for the option `title`.
 
         Raises:
             OutputError: as for `check_folder`, or it contains an input or another output.
         """
         self._check_no_input_in(title, folder)
         self._check_other(title, folder, self._folders)
-        check_folder(folder, names, title)
+        check_folder(folder, command, names, title)
         self._folders[title] = folder
         for option, path in self._files.items():
             self._check_outside(option, path, folder)

@@ -3,7 +3,9 @@
 
 The folder `.NAME.unfinished` holds files that only grow, and `checkpoint`, the state of everything else at some moment,
 with how long the files were. It is removed when the work is done, and when it fails; it stays when the process ends in
-between, and when the disk is full. What another program, other settings or other inputs left there is not used.
+between, and when the disk is full. What other settings or other inputs left there is not used.
+
+The file `lock` in it says that evcot made it. A folder without this file, or a link, is the user's and is refused.
 """
 
 from __future__ import annotations
@@ -12,7 +14,9 @@ import errno
 import io
 import os
 import pickle
+import secrets
 import shutil
+import stat
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -30,6 +34,7 @@ CHECKPOINT_EVENTS = 1 << 24  # between two checkpoints, by default
 
 _STATE, _LOCK = "checkpoint", "lock"
 _HEAD = b"evcot checkpoint 1\n"
+_MARK = b"evcot: unfinished work, removed when it is done\n"  # content of the lock
 _DIGEST_BYTES = 16
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _OURS = ("evcot", "evcot_cosim")  # packages whose classes a checkpoint may hold
@@ -129,7 +134,8 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
         special = spool_folder(path) != folder.parent  # a pipe or a device: nothing to continue
         parents = [parent for parent in folder.parents if not parent.exists()]
         if not special:
-            folder.mkdir(parents=True, exist_ok=True)
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            _make(folder)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
     if special:
@@ -157,6 +163,30 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
+def _make(folder: Path) -> None:
+    """Make the folder with its lock, at once, unless there is one that evcot made.
+
+    Raises:
+        OutputError: there is something else of that name.
+    """
+    if not os.path.lexists(folder):
+        aside = folder.with_name(f"{folder.name}.{secrets.token_hex(4)}")
+        aside.mkdir()
+        try:
+            with (aside / _LOCK).open("xb") as lock:
+                lock.write(_MARK)
+            os.rename(aside, folder)
+            return
+        except OSError:
+            shutil.rmtree(aside, ignore_errors=True)
+            if not os.path.lexists(folder):
+                raise
+    lock = folder / _LOCK
+    is_folder = stat.S_ISDIR(folder.lstat().st_mode)
+    if not is_folder or lock.is_symlink() or not lock.is_file() or lock.read_bytes() != _MARK:
+        raise OutputError(f"{folder}: exists, and evcot did not make it: must be moved away, or another output named")
+
+
 def _is_full(error: BaseException | None) -> bool:
     """Whether an error, or one that it was made of, is that of a full disk."""
     while error is not None:
@@ -182,7 +212,7 @@ def _locked(folder: Path, path: Path) -> Iterator[None]:
         yield
         return
     try:
-        lock = (folder / _LOCK).open("ab")
+        lock = (folder / _LOCK).open("r+b")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
     with lock:

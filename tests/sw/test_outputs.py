@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -42,7 +43,7 @@ def write(path: Path | str, text: bytes = b"new", *, force: bool = False) -> Non
 
 def run_into(folder: Path | str, **files: str) -> None:
     """Write a folder as a run does: run.toml, and other files by their names without suffix."""
-    with folder_written_aside(Path(folder)) as aside:
+    with folder_written_aside(Path(folder), "cosim") as aside:
         (aside / RUN_FILE).write_text('[run]\nrecording = "boxes"\n')
         for name, text in files.items():
             (aside / f"{name}.txt").write_text(text)
@@ -198,11 +199,11 @@ print("third")
 
 class TestFolders:
     def test_a_new_folder_appears_whole_or_not_at_all(self) -> None:
-        with folder_written_aside(Path("deep/er/run")) as aside:
+        with folder_written_aside(Path("deep/er/run"), "cosim") as aside:
             (aside / "a").touch()
             assert not Path("deep/er/run").exists()
         assert names("deep/er/run") == ["a"]
-        with pytest.raises(ZeroDivisionError), folder_written_aside(Path("not/here/run")) as aside:
+        with pytest.raises(ZeroDivisionError), folder_written_aside(Path("not/here/run"), "cosim") as aside:
             (aside / "a").write_text(str(1 // 0))
         assert names() == ["deep"]
 
@@ -219,7 +220,7 @@ class TestFolders:
 
     def test_an_error_leaves_the_older_run(self) -> None:
         run_into("run", a="1")
-        with pytest.raises(ZeroDivisionError), folder_written_aside(Path("run")) as aside:
+        with pytest.raises(ZeroDivisionError), folder_written_aside(Path("run"), "cosim") as aside:
             (aside / "a.txt").write_text(str(1 // 0))
         assert (names("run"), names()) == (["a.txt", RUN_FILE], ["run"])
         assert is_own_file(Path("run/a.txt"))
@@ -246,6 +247,29 @@ class TestFolders:
             with pytest.raises(OutputError, match="evcot did not make it"):
                 run_into(name, a="2")
         assert Path("copied/a.txt").read_text() == "mine"
+
+    @pytest.mark.parametrize("name", ["../mine", "/{here}/mine", "more/mine", "..", ".", "", "a.txt\\u0000", "..\\\\mine"])
+    def test_a_list_that_names_a_path_is_no_list(self, name: str) -> None:
+        """A run folder may come from somebody else."""
+        Path("mine").write_text("mine")
+        run_into("run", a="1")
+        Path("run/more").mkdir()
+        Path("run/more/mine").write_text("mine")
+        digest = re.findall('"a.txt" = "(.*)"', Path("run/run.toml").read_text())[0]
+        with Path("run/run.toml").open("a") as file:
+            file.write(f'"{name.format(here=str(Path.cwd())[1:])}" = "{digest}"\n')
+        before = names("run")
+        with pytest.raises(OutputError, match="holds files, and evcot did not make it"):
+            run_into("run", a="2")
+        assert (own_files(Path("run")), names("run")) == (None, before)
+        assert (Path("mine").read_text(), Path("run/more/mine").read_text()) == ("mine", "mine")
+
+    def test_a_folder_belongs_to_the_command_that_made_it(self) -> None:
+        run_into("run", a="1")
+        with pytest.raises(OutputError) as caught, folder_written_aside(Path("run"), "sweep"):
+            pass
+        assert str(caught.value) == "run: was made by evcot cosim: must be another folder for evcot sweep"
+        assert names("run") == ["a.txt", RUN_FILE]
 
     @pytest.mark.parametrize("name", ["a.txt", RUN_FILE])
     def test_a_file_that_the_user_has_changed_is_the_users(self, name: str) -> None:
@@ -295,14 +319,14 @@ class TestFolders:
 
     def test_an_interrupted_replacement_does_not_look_whole(self, monkeypatch: pytest.MonkeyPatch) -> None:
         run_into("run", a="1", summary="1")
-        rename = os.rename
+        link = os.link
 
         def interrupted(source: Path, target: Path) -> None:
             if target.name == "summary.txt":
                 raise KeyboardInterrupt
-            rename(source, target)
+            link(source, target)
 
-        monkeypatch.setattr(os, "rename", interrupted)
+        monkeypatch.setattr(os, "link", interrupted)
         with pytest.raises(KeyboardInterrupt):
             run_into("run", a="2", summary="2")
         assert names("run") == ["a.txt"]
@@ -310,9 +334,9 @@ class TestFolders:
     def test_run_toml_and_the_summary_come_last(self, monkeypatch: pytest.MonkeyPatch) -> None:
         run_into("run", a="1")
         moved = []
-        rename = os.rename
-        monkeypatch.setattr(os, "rename", lambda source, target: (moved.append(target.name), rename(source, target)))
-        with folder_written_aside(Path("run")) as aside:
+        link = os.link
+        monkeypatch.setattr(os, "link", lambda source, target: (moved.append(target.name), link(source, target)))
+        with folder_written_aside(Path("run"), "cosim") as aside:
             for name in ("z", "summary.json", RUN_FILE, "a.txt"):
                 (aside / name).touch()
         assert moved == ["a.txt", "z", "summary.json", RUN_FILE]
@@ -359,7 +383,7 @@ class TestCalls:
             Path(name).touch()
         for first in (0, 1):
             claims = Claims()
-            steps = [lambda: claims.read(Path(source)), lambda: claims.write_folder("-o", Path("run/../run"))]  # noqa: B023
+            steps = [lambda: claims.read(Path(source)), lambda: claims.write_folder("-o", Path("run/../run"), "cosim")]  # noqa: B023
             steps[first]()
             with pytest.raises(OutputError, match=r"-o run/../run: holds .*, an input of the same call"):
                 steps[1 - first]()
@@ -370,7 +394,7 @@ class TestCalls:
         with Claims() as claims:
             claims.read(Path("b"))
             with pytest.raises(OutputError, match=r"holds a\.txt, an input"):
-                claims.write_folder("-o", Path("run"))
+                claims.write_folder("-o", Path("run"), "cosim")
 
     @pytest.mark.parametrize(("one", "other"), [("a", "a"), ("a", "folder/../a"), ("a", "link")])
     def test_two_outputs_are_two_files(self, one: str, other: str) -> None:
@@ -384,7 +408,7 @@ class TestCalls:
 
     def test_an_output_file_is_not_in_an_output_folder(self) -> None:
         claims = Claims()
-        claims.write_folder("-o", Path("run"))
+        claims.write_folder("-o", Path("run"), "cosim")
         with pytest.raises(OutputError, match="is in run, which is written too"):
             claims.write("--csv", Path("run/a.csv"))
 

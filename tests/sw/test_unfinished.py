@@ -56,6 +56,26 @@ def test_a_state_comes_back_once_and_for_its_own_work_alone(tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("content", [None, "lock"])
+def test_a_folder_of_the_user_is_refused_and_kept(tmp_path: Path, content: str | None) -> None:
+    folder = tmp_path / ".log.unfinished"
+    folder.mkdir()
+    if content:
+        (folder / content).write_text("mine")
+    with pytest.raises(OutputError, match=r"\.log\.unfinished: exists, and evcot did not make it: must be moved away"):
+        found(tmp_path / "log")
+    assert [path.read_text() for path in folder.iterdir()] == ([] if content is None else ["mine"])
+
+
+def test_a_link_in_its_place_is_not_followed(tmp_path: Path) -> None:
+    left(tmp_path / "log", count=7)
+    (tmp_path / ".log.unfinished").rename(tmp_path / "mine")
+    (tmp_path / ".log.unfinished").symlink_to("mine")
+    with pytest.raises(OutputError, match="exists, and evcot did not make it"):
+        found(tmp_path / "log")
+    assert sorted(path.name for path in (tmp_path / "mine").iterdir()) == ["checkpoint", "lock"]
+
+
 def test_nothing_is_left_of_work_that_fails_or_has_no_checkpoint(tmp_path: Path) -> None:
     for error in (ValueError(), Ended()):
         ends(tmp_path / "new" / "log", lambda work: (work.folder / "data").write_bytes(b"1"), error)

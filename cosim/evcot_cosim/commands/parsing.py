@@ -243,7 +243,7 @@ def claims_of(options: argparse.Namespace) -> Claims:
         if action.type is output_file:
             claims.write(_title(action), path, force=options.force)
         else:
-            claims.write_folder(_title(action), path)
+            claims.write_folder(_title(action), path, options.parser.prog.rpartition(" ")[2])
     return claims
 
 

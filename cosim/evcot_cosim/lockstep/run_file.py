@@ -7,7 +7,6 @@ Its table `[run]` names the events and the module; the other tables are a comple
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
@@ -23,6 +22,7 @@ from evcot.outputs import RUN_FILE, written_aside
 from evcot.recordings.files import Damage, RecordingFile, open_recording
 from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
+from evcot.toml_file import read_toml
 from evcot.trackers.config import RunConfig, load_toml
 
 from ..names import DEFAULT_TOP, Top
@@ -214,7 +214,7 @@ def read_run_file(path: Path) -> RunFile | None:
         ConfigError: as `load_toml`, or an invalid table `[run]`; the message starts with the file's name.
     """
     config = load_toml(path, RunConfig())
-    run = tomllib.loads(path.read_text(encoding="utf-8")).get("run")
+    run = read_toml(path).get("run")
     if run is None:
         return None
     of_source = {field.name: field.type for field in fields(Source) if field.name != "is_scene"}

@@ -44,7 +44,7 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
         OutputError: a file cannot be written.
     """
     summary = summarise(run, command) | ({"auto": made_of.said} if made_of.said else {})
-    with folder_written_aside(folder) as aside:
+    with folder_written_aside(folder, "cosim") as aside:
         for name, log in (("hardware", run.hardware), ("model", run.model), ("software", run.software)):
             replace(log, recording=made_of.digest).save_npz(aside / f"{name}.npz")
             log.write_csv(aside / f"{name}.csv")
@@ -73,7 +73,7 @@ def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile,
         OutputError: a file cannot be written.
     """
     found, config = error.mismatch, made_of.config
-    with folder_written_aside(folder) as aside:
+    with folder_written_aside(folder, "cosim") as aside:
         window = Window.around(found.event_index, len(recording.events), _MISMATCH_EVENTS)
         write_waves(
             recording.events, config.hardware(recording.width, recording.height), aside, window,

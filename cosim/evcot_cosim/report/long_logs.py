@@ -53,7 +53,7 @@ def write_long_logs(
     check(extent)
     folder = path.with_name(f"{path.stem}.parts")
     claim(folder, [RUN_FILE, *part_names(extent.events)])
-    with folder_written_aside(folder) as aside, source.opened() as file:
+    with folder_written_aside(folder, "report") as aside, source.opened() as file:
         recording = LongRecording(name, sensor, source.blocks(file), extent.events, extent.first_us, extent.last_us)
         paged = write_parts(recording, {side: _long(log) for side, log in logs.items()}, aside, {}, progress=progress)
         (aside / RUN_FILE).write_text(f"# Pages that {path.name} shows.\n", encoding="utf-8")

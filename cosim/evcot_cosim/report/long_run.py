@@ -70,7 +70,7 @@ def write_long_run(
         closing(
             Comparison(run.begin_us, run.end_us, radius_px=near_px(run.config), folder=scratch, most=_LISTED)
         ) as comparison,
-        folder_written_aside(folder) as aside,
+        folder_written_aside(folder, "cosim") as aside,
         ThreadPoolExecutor(2 if before else 1) as others,
     ):
         both = {"hardware": run.hardware, "software": run.software}

@@ -16,10 +16,12 @@ from evcot.ranges import span
 
 from .fields import check_field, limits
 
-__all__ = ["GRID_MAX", "METHODS", "Axis", "Point", "axis_from", "grid", "latin", "uniform"]
+__all__ = ["GRID_MAX", "METHODS", "SAMPLES_MAX", "Axis", "Point", "axis_from", "grid", "latin", "uniform"]
 
 METHODS = ("grid", "random", "latin", "optuna")
 GRID_MAX = 10_000_000
+SAMPLES_MAX = 1_000_000
+STEPS_MAX = 100_000  # of a range: its values are held in memory
 _DIGITS = 9  # of a sampled number: one that a person can copy
 _KEYS = {"from", "to", "steps", "log"}
 
@@ -107,8 +109,8 @@ def axis_from(name: str, values: Any) -> Axis:
         raise ConfigError(f"fields.{name}.log = {log!r}: must be true or false")
     if log and low <= 0:
         raise ConfigError(f"fields.{name}: from {low}: must be above 0 with log")
-    if steps is not None and (isinstance(steps, bool) or not isinstance(steps, int) or steps < 2):
-        raise ConfigError(f"fields.{name}.steps = {steps!r}: must be a whole number, at least 2")
+    if steps is not None and (isinstance(steps, bool) or not isinstance(steps, int) or not 2 <= steps <= STEPS_MAX):
+        raise ConfigError(f"fields.{name}.steps = {steps!r}: must be a whole number from 2 to {STEPS_MAX:,}")
     _check_limits(name, (low, high))
     return Axis(name, (), low, high, log, steps)
 

@@ -35,7 +35,7 @@ def begin(folder: Path, spec: Spec) -> None:
     path = folder / SPEC
     if is_own_file(path) and path.read_text(encoding="utf-8") == text:
         return
-    with folder_written_aside(folder) as aside:
+    with folder_written_aside(folder, "sweep") as aside:
         (aside / SPEC).write_text(text, encoding="utf-8")
         (aside / RUN_FILE).write_text(_HEAD, encoding="utf-8")
 

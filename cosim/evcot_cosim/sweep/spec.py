@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -16,10 +15,11 @@ from evcot.hardware.contract import Shape
 from evcot.metrics import RULES
 from evcot.outputs import note_input
 from evcot.scenes.registry import SCENES, scene_settings
+from evcot.toml_file import read_toml
 from evcot.trackers.engines import ENGINES
 
 from ..names import DEFAULT_TOP, Top
-from .axes import METHODS, Axis, axis_from
+from .axes import METHODS, SAMPLES_MAX, Axis, axis_from
 from .fields import HARDWARE, MODEL, PRESET, RTL, nested
 from .metrics import METRICS
 from .places import placed
@@ -126,14 +126,9 @@ def read_spec(name: str) -> Spec:
     else:
         note_input(path)
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        known = f" (evcot's own are {', '.join(SHIPPED)})" if path.suffix != ".toml" else ""
-        raise ConfigError(f"{name}: cannot be read: {error.strerror or error}{known}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{name}: is not TOML: {error}") from error
-    try:
-        return spec_from(data, path.absolute().parent, path.stem)
+        if path.suffix != ".toml" and not path.exists():
+            raise ConfigError(f"cannot be read: No such file or directory (evcot's own are {', '.join(SHIPPED)})")
+        return spec_from(read_toml(path), path.absolute().parent, path.stem)
     except ConfigError as error:
         raise ConfigError(f"{name}: {error}") from error
 
@@ -261,11 +256,9 @@ def _tables(data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
         path = folder / data["config"]
         note_input(path)
         try:
-            tables = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise ConfigError(f"config = {data['config']!r}: cannot be read: {error.strerror or error}") from error
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise ConfigError(f"config = {data['config']!r}: is not TOML: {error}") from error
+            tables = read_toml(path)
+        except ConfigError as error:
+            raise ConfigError(f"config = {data['config']!r}: {error}") from error
     for name, table in data.get("tables", {}).items():
         tables[name] = {**tables.get(name, {}), **table} if isinstance(table, Mapping) else table
     return tables
@@ -315,8 +308,8 @@ def _check(spec: Spec) -> None:
         scene_settings(scene, spec.seeds[0], spec.scene_settings)
     if spec.method not in METHODS:
         raise ConfigError(f"method = {spec.method!r}: must be one of {', '.join(METHODS)}")
-    if spec.method != "grid" and spec.samples < 1:
-        raise ConfigError(f"samples = {spec.samples}: must be at least 1 with method = {spec.method!r}")
+    if spec.method != "grid" and not 1 <= spec.samples <= SAMPLES_MAX:
+        raise ConfigError(f"samples = {spec.samples}: must be from 1 to {SAMPLES_MAX:,} with method = {spec.method!r}")
     if spec.method != "grid" and not spec.axes:
         raise ConfigError(f"fields: must have one at least with method = {spec.method!r}")
     for name, low in (("batch", 1), ("best", 0), ("timeout_s", 0), ("sampling_seed", 0)):

@@ -3,6 +3,9 @@
 
 A row is in the journal as soon as its run has ended; every few seconds the journal's rows become a file of the dataset. So a
 killed sweep loses no row, and a reader of the dataset sees whole files alone. Only one sweep writes to a store at a time.
+
+The index names the files of the dataset. A name is in the index before its file is written and until its file is deleted, so
+no file that the index does not name is read, merged or deleted.
 """
 
 from __future__ import annotations
@@ -10,20 +13,25 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import re
 import time
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from evcot.errors import ConfigError, OutputError
+from evcot.errors import ConfigError, OutputError, RecordingWarning
+from evcot.outputs import written_aside
 
 from .metrics import METRICS, TIMES
 
 __all__ = ["COLUMNS", "RUNS", "Store", "read_rows", "require_pyarrow"]
 
 RUNS = "runs"  # the folder of the dataset
-_JOURNAL = "journal.jsonl"
+_JOURNAL, _INDEX = "journal.jsonl", "runs.json"
+_FILE = re.compile(r"runs-[0-9]{6}\.parquet")  # of the dataset
+_PARTIAL = ".partial"
 _FLUSH_ROWS = 5_000
 _FLUSH_S = 5.0
 _SMALL_ROWS = 50_000  # files below this are put together at the end
@@ -60,7 +68,7 @@ class Store:
 
     Raises:
         ConfigError: another process writes to it, or pyarrow is missing.
-        OutputError: it cannot be written.
+        OutputError: it cannot be written, or something in the way is not of a store.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -70,6 +78,11 @@ class Store:
         self._new: list[dict[str, Any]] = []
         self._flushed = time.monotonic()
         try:
+            if not (folder / _INDEX).exists():
+                for name in (RUNS, _JOURNAL):
+                    if os.path.lexists(folder / name):
+                        raise OutputError(f"{folder / name}: exists, and no sweep made it: must be moved away")
+                self._list([])
             self._runs.mkdir(exist_ok=True)
             self._journal = (folder / _JOURNAL).open("a+b", buffering=0)
         except OSError as error:
@@ -86,8 +99,8 @@ class Store:
             fcntl.flock(self._journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             raise ConfigError(f"{self.folder}: another sweep writes here: must have ended") from error
-        for left in self._runs.glob(".*.partial"):
-            left.unlink()
+        for path in _files(self.folder):
+            _aside(path).unlink(missing_ok=True)  # of a sweep that was killed
         self.status: dict[str, str] = {row["key"]: row["status"] for row in self._rows(("key", "status"))}
         self._recover()
 
@@ -139,17 +152,17 @@ class Store:
         return iter(read_rows(self.folder, columns))
 
     def _recover(self) -> None:
-        """Take over the journal of a sweep that was killed; a last line that is cut off is left out."""
+        """Take over the journal of a sweep that was killed, without a last line that is cut off, and without damaged lines."""
         self._journal.seek(0)
-        whole = 0
-        for line in self._journal.read().splitlines(keepends=True):
+        for number, line in enumerate(self._journal.read().splitlines(keepends=True), 1):
             if not line.endswith(b"\n"):
                 break
-            row = json.loads(line)
+            if (row := _row(line)) is None:
+                rule = "is damaged and left out; its run is done again"
+                warnings.warn(RecordingWarning(f"{self.folder / _JOURNAL}: line {number} {rule}"), stacklevel=2)
+                continue
             self.status[row["key"]] = row["status"]
             self._new.append(row)
-            whole += len(line)
-        self._journal.truncate(whole)
         if self._new:
             self.flush()
         else:
@@ -166,11 +179,15 @@ class Store:
         return arrow.table(columns)
 
     def _write(self, table: Any) -> Path:
-        taken = [int(path.stem.rpartition("-")[2]) for path in self._runs.glob("runs-*.parquet")]
-        path = self._runs / f"runs-{max(taken, default=0) + 1:06d}.parquet"
-        aside = self._runs / f".{path.name}.partial"
+        files = _files(self.folder)
+        taken = {path.name for path in files} | {name.strip(".").removesuffix(_PARTIAL) for name in os.listdir(self._runs)}
+        last = max((int(name[5:11]) for name in taken if _FILE.fullmatch(name)), default=0)
+        path = self._runs / f"runs-{last + 1:06d}.parquet"
+        aside = _aside(path)
         try:
-            self._arrow.parquet.write_table(table, aside, compression="zstd")
+            self._list([*files, path])
+            with aside.open("xb") as file:
+                self._arrow.parquet.write_table(table, file, compression="zstd")
             with aside.open("rb") as file:
                 os.fsync(file.fileno())
             os.link(aside, path)  # never in place of another
@@ -183,13 +200,20 @@ class Store:
     def _put_together(self) -> None:
         """Make one file of many small ones."""
         parquet = self._arrow.parquet
-        small = [path for path in _files(self._runs) if parquet.read_metadata(path).num_rows < _SMALL_ROWS]
+        there = [path for path in _files(self.folder) if path.is_file()]
+        small = [path for path in there if parquet.read_metadata(path).num_rows < _SMALL_ROWS]
         if len(small) > 1:
             table = self._arrow.concat_tables([parquet.read_table(path) for path in small], promote_options="permissive")
             last = {key: i for i, key in enumerate(table.column("key").to_pylist())}
             self._write(table.take(sorted(last.values())))
             for path in small:
                 path.unlink()
+            self._list([path for path in _files(self.folder) if path not in small])
+
+    def _list(self, files: Iterable[Path]) -> None:
+        """Write the index."""
+        with written_aside(self.folder / _INDEX, force=True) as file:
+            file.write((json.dumps({"evcot": "files of runs/", "files": [path.name for path in files]}) + "\n").encode())
 
 
 def read_rows(folder: Path, columns: Iterable[str] | None = None) -> list[dict[str, Any]]:
@@ -205,7 +229,9 @@ def read_rows(folder: Path, columns: Iterable[str] | None = None) -> list[dict[s
     arrow = require_pyarrow()
     wanted = None if columns is None else ["key", *(name for name in columns if name != "key")]
     rows: dict[str, dict[str, Any]] = {}
-    for path in _files(folder / RUNS):
+    for path in _files(folder):
+        if not path.is_file():  # named in the index, and not written any more when the sweep was killed
+            continue
         try:
             table = arrow.parquet.read_table(path, columns=wanted)
         except (OSError, arrow.ArrowException) as error:
@@ -216,7 +242,36 @@ def read_rows(folder: Path, columns: Iterable[str] | None = None) -> list[dict[s
 
 
 def _files(folder: Path) -> list[Path]:
-    return sorted(folder.glob("runs-*.parquet"))
+    """The files of the dataset of a sweep's folder, by its index; a name of another form is refused.
+
+    Raises:
+        ConfigError: the index is not one.
+    """
+    index = folder / _INDEX
+    try:
+        names = json.loads(index.read_bytes())["files"]
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ConfigError(f"{index}: cannot be read: must be the index that `evcot sweep` writes") from error
+    for name in names if isinstance(names, list) else [names]:
+        if not isinstance(name, str) or not _FILE.fullmatch(name):
+            raise ConfigError(f"{index}: files: {str(name)[:80]!r}: must be a name such as runs-000001.parquet")
+    return [folder / RUNS / name for name in sorted(names)]
+
+
+def _aside(path: Path) -> Path:
+    """The file from which a file of the dataset is made."""
+    return path.with_name(f".{path.name}{_PARTIAL}")
+
+
+def _row(line: bytes) -> dict[str, Any] | None:
+    """A line of the journal, None if it is damaged."""
+    try:
+        row = json.loads(line)
+        return row if isinstance(row["key"] + row["status"], str) and isinstance(row["settings"], dict) else None
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
 
 
 def _column_of_field(arrow: Any, values: list[Any]) -> Any:

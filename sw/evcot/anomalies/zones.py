@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ..outputs import note_input
 from ..ranges import check_integer
+from ..toml_file import read_toml
 
 __all__ = ["Line", "Zone", "Zones", "load_zones"]
 
@@ -79,12 +79,7 @@ def load_zones(path: Path | str) -> Zones:
     """
     note_input(path)
     try:
-        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: is not TOML: {error}") from error
-    try:
+        data = read_toml(Path(path))
         _fields(data, ("sensor", "zone", "line"), "zones")
         zones = tuple(_zone(table, f"zone[{i}]") for i, table in enumerate(_tables(data, "zone")))
         lines = tuple(_line(table, f"line[{i}]") for i, table in enumerate(_tables(data, "line")))

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from importlib.resources import files
@@ -14,6 +13,7 @@ from typing import Any
 from ..errors import ConfigError
 from ..outputs import note_input
 from ..ranges import Range, check_range
+from ..toml_file import read_toml
 
 __all__ = ["RULES", "Rule", "load_rule"]
 
@@ -151,13 +151,7 @@ def load_rule(name: str | Path) -> Rule:
     if not shipped:
         note_input(Path(name))
     try:
-        text = path.read_text(encoding="utf-8")
-        data = tomllib.loads(text)
-    except OSError as error:
-        raise ConfigError(f"{name}: cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{name}: is not TOML: {error}") from error
-    try:
+        data = read_toml(path)
         base = data.pop("base", None)
         if base is not None:
             if base not in RULES:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -17,6 +16,7 @@ from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import Shape
 from ..hardware.motion.contract import MotionRegisters
 from ..outputs import note_input
+from ..toml_file import read_toml
 from .auto.config import AutoConfig
 from .rct.config import RctConfig
 
@@ -161,17 +161,12 @@ def _named(path: Path) -> Iterator[None]:
 
 def _tables(path: Path) -> Mapping[str, Any]:
     note_input(path)
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(f"cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"is not TOML: {error}") from error
+    return read_toml(path)
 
 
 def run_config_from(data: Mapping[str, Any], base: RunConfig, folder: Path) -> RunConfig:
     """As `load_toml`, of tables that were read already; `folder` is that of their file."""
-    known = {"name", "software", "run", "files", "shape", "cot", "slot", "motion", "rct", "auto", "filters"}
+    known = {"name", "software", "run", "made", "files", "shape", "cot", "slot", "motion", "rct", "auto", "filters"}
     known.add("software_filters")
     _section(data, known, "top level")
     shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))

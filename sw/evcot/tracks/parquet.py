@@ -8,7 +8,7 @@ all `owners` one after the other are the log's, in the order of the events. Engi
 
 Files are written and read a row group at a time. Arrow keeps 15 kB of each group until the file is closed, so a log of more
 groups than a file may have goes on in another one: log.parquet, log.1.parquet and so on, of which only the last has a row END.
-So memory does not depend on a log's length.
+So memory does not depend on a log's length. The metadata of a file after the first say which part it is; no other is replaced.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import TrackLogError
+from ..errors import OutputError, TrackLogError
 from ..outputs import note_input, path_written_aside
 from .record import TRACK, Kind
 
@@ -58,29 +58,31 @@ def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None
         OutputError: a file exists, or cannot be written.
     """
     arrow = _arrow(path)
-    schema = _schema(arrow).with_metadata({"engine": log.engine, "recording": log.recording})
+    schema, about = _schema(arrow), {"engine": log.engine, "recording": log.recording}
     groups = _groups(log)
     with ExitStack() as files:  # the first gets its name last
         for number in count():
             if (first := next(groups, None)) is None:
                 return
             own = _file_of(Path(path), number)
-            may_replace = force and (number == 0 or _is_log(own, arrow))
-            aside = files.enter_context(path_written_aside(own, force=may_replace))
+            if number and force and own.exists() and not _is_part(own, number, arrow):
+                raise OutputError(f"{own}: exists, and is no part of {path}: must be moved away, or another log named")
+            aside = files.enter_context(path_written_aside(own, force=force))
+            of_file = schema.with_metadata(about | ({"part": str(number)} if number else {}))
             with arrow.parquet.ParquetWriter(
-                aside, schema, compression="zstd", use_dictionary=_REPEATED, write_page_checksum=True
+                aside, of_file, compression="zstd", use_dictionary=_REPEATED, write_page_checksum=True
             ) as writer:
                 for record, ends, begin in chain([first], islice(groups, _FILE_GROUPS - 1)):
-                    writer.write_table(_table(arrow, schema, log, record, ends, begin))
+                    writer.write_table(_table(arrow, of_file, log, record, ends, begin))
 
 
-def _is_log(path: Path, arrow: Any) -> bool:
-    """Whether a file that nobody has named looks like a part of a log, so that another may replace it."""
+def _is_part(path: Path, number: int, arrow: Any) -> bool:
+    """Whether a file that nobody has named is that part of a long log, so that another may replace it; not a log of its own."""
     try:
-        names = arrow.parquet.read_schema(path).names
+        schema = arrow.parquet.read_schema(path)
     except (OSError, ValueError, arrow.ArrowException):
         return False
-    return set(_COLUMNS) <= set(names)
+    return set(_COLUMNS) <= set(schema.names) and (schema.metadata or {}).get(b"part") == str(number).encode()
 
 
 def _file_of(path: Path, number: int) -> Path:

@@ -238,7 +238,7 @@ def test_what_has_been_tried(line: str, why: str, home: Path, capsys: Capture) -
     Path("hot.txt").write_text("1 1\n")
     Path("soft").symlink_to("hot.txt")
     Path("hot.toml").write_text('[filters]\nhot_pixels_file = "hot.txt"\n')
-    with folder_written_aside(Path("run")) as aside:
+    with folder_written_aside(Path("run"), "cosim") as aside:
         (aside / RUN_FILE).write_text('[run]\nrecording = "boxes"\n')
         (aside / "summary.json").write_text("{}")
     tiny("run/drive.npz")

@@ -80,7 +80,7 @@ def test_a_sweep_writes_its_store_and_its_report(made: Path, capsys: Capture) ->
     best = [each["means"]["hota"] for each in summary["best"]]
     assert best == sorted(best, reverse=True)
     folder = made / summary["folder"]
-    names = {"run.toml", "sweep.toml", "report.html", "runs", "playback", "journal.jsonl"}
+    names = {"run.toml", "sweep.toml", "report.html", "runs", "playback", "journal.jsonl", "runs.json"}
     assert {path.name for path in folder.iterdir()} == names
     page = (folder / "report.html").read_text()
     assert all(path in page and (folder / path).is_file() for path in summary["best"][0]["playback"])

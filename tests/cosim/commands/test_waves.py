@@ -40,7 +40,7 @@ def inside(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def description(folder: str) -> str:
     """What a run was made of: run.toml without the list of the folder's files."""
-    return Path(folder, "run.toml").read_text().partition("\n[files]")[0]
+    return Path(folder, "run.toml").read_text().partition("\n[made]")[0]
 
 
 def test_a_run_repeats_from_its_own_description(capsys: Capture) -> None:

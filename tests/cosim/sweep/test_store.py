@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from evcot.errors import ConfigError, OutputError
+from evcot.errors import ConfigError, OutputError, RecordingWarning
 from evcot_cosim.sweep import store as store_module
 from evcot_cosim.sweep.store import COLUMNS, Store, read_rows
 
@@ -58,6 +58,7 @@ def test_a_writer_that_is_killed_loses_no_row(tmp_path: Path) -> None:
     shutil.copytree(tmp_path, copy)  # as the disk is at that moment
     with (copy / "journal.jsonl").open("ab") as journal:
         journal.write(json.dumps(row(4)).encode()[:40])  # and a line that is cut off
+    (copy / "runs.json").write_text('{"files": ["runs-000001.parquet", "runs-000002.parquet"]}')  # before its file is written
     (copy / "runs" / ".runs-000002.parquet.partial").write_bytes(b"half a file")
     with Store(copy) as again:
         assert again.status == {f"{number:016x}": "done" for number in (1, 2, 3)}
@@ -114,6 +115,55 @@ def test_a_full_disk_leaves_whole_rows(tmp_path: Path, monkeypatch: pytest.Monke
     assert keys(tmp_path) == [f"{1:016x}"]
 
 
+def test_files_that_the_index_does_not_name_are_the_users(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.add(row(1))
+    runs = tmp_path / "runs"
+    mine = [
+        "runs-backup.parquet",
+        "runs-000007.parquet",
+        ".runs-000001.parquet.partial.partial",
+        ".runs-000008.parquet.partial",
+    ]
+    for name in mine:
+        (runs / name).write_bytes(b"mine")
+    with Store(tmp_path) as store:
+        store.add(row(2))
+    assert keys(tmp_path) == [f"{1:016x}", f"{2:016x}"]
+    assert [(runs / name).read_bytes() for name in mine] == [b"mine"] * len(mine)
+    assert sorted(path.name for path in runs.iterdir()) == sorted([*mine, "runs-000010.parquet"])
+
+
+@pytest.mark.parametrize("name", ["runs", "journal.jsonl"])
+def test_a_store_is_not_made_over_something_else(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).mkdir()
+    with pytest.raises(OutputError, match=f"{name}: exists, and no sweep made it: must be moved away"):
+        Store(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["../mine.parquet", "/tmp/runs-000001.parquet", "runs-1.parquet", 7])
+def test_an_index_names_files_of_the_store_alone(tmp_path: Path, name: object) -> None:
+    (tmp_path / "runs.json").write_text(json.dumps({"files": [name]}))
+    with pytest.raises(ConfigError, match=r"runs\.json: files: .*: must be a name such as runs-000001\.parquet$"):
+        read_rows(tmp_path)
+
+
+def test_a_damaged_line_of_the_journal_costs_that_line(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        for number in range(1, 4):
+            store.add(row(number))
+        lines = (tmp_path / "journal.jsonl").read_bytes().splitlines(keepends=True)
+    shutil.rmtree(tmp_path / "runs")
+    (tmp_path / "runs.json").write_text('{"files": []}')
+    (tmp_path / "journal.jsonl").write_bytes(
+        lines[0] + b'{"key": 1}\n' + b"\x00" * 40 + b"\n" + b"[" * 99_999 + b"\n" + lines[2]
+    )
+    with pytest.warns(RecordingWarning, match=r"journal\.jsonl: line [234] is damaged") as warned, Store(tmp_path):
+        pass
+    assert len(warned) == 3
+    assert keys(tmp_path) == [f"{1:016x}", f"{3:016x}"]
+
+
 def test_two_sweeps_do_not_write_at_a_time(tmp_path: Path) -> None:
     with Store(tmp_path), pytest.raises(ConfigError, match="another sweep writes here"):
         Store(tmp_path)
@@ -122,5 +172,6 @@ def test_two_sweeps_do_not_write_at_a_time(tmp_path: Path) -> None:
 def test_a_file_that_is_no_parquet_is_named(tmp_path: Path) -> None:
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs" / "runs-000001.parquet").write_bytes(b"text")
+    (tmp_path / "runs.json").write_text('{"files": ["runs-000001.parquet"]}')
     with pytest.raises(ConfigError, match=r"runs-000001.parquet: cannot be read"):
         read_rows(tmp_path)

@@ -148,7 +148,7 @@ class TestToml:
         [
             (
                 "radius = 3",
-                "top level: unknown field 'radius': must be one of auto, cot, files, filters, motion, name, rct, run, shape, "
+                "top level: unknown field 'radius': must be one of auto, cot, files, filters, made, motion, name, rct, run, shape, "
                 "slot, software, software_filters",
             ),
             ("[cot]\nradius = 3", "[cot]: unknown field 'radius': must be one of clust_nev, detect_ticks, "),

@@ -107,12 +107,18 @@ def test_a_long_log_goes_on_in_other_files(log: TrackLog, in_files: int, tmp_pat
 
 def test_every_file_of_a_long_log_must_be_there_and_none_is_overwritten(log: TrackLog, in_files: int, tmp_path: Path) -> None:
     path, last = tmp_path / "log.parquet", tmp_path / f"log.{in_files - 1}.parquet"
-    last.write_text("mine")
-    for force in (False, True):  # nobody has named that file
-        with pytest.raises(evcot.errors.OutputError, match=f"{last.name}: exists"):
-            log.save(path, force=force)
-        assert [file.name for file in tmp_path.iterdir()] == [last.name]
-        assert last.read_text() == "mine"
+    short = TrackLog(log.engine, log.records[:5], log.owner[: int(log.records[4]["event_index"]) + 1], log.recording)
+    for make in (
+        lambda: last.write_text("mine"),
+        lambda: short.save(last, force=True),
+    ):  # a log of its own is no part of another
+        make()
+        mine = last.read_bytes()
+        for force in (False, True):  # nobody has named that file
+            with pytest.raises(evcot.errors.OutputError, match=f"{last.name}: exists"):
+                log.save(path, force=force)
+            assert [file.name for file in tmp_path.iterdir()] == [last.name]
+            assert last.read_bytes() == mine
     last.unlink()
     for force in (False, True):
         log.save(path, force=force)

@@ -45,7 +45,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
 
     def claim(name: str) -> None:
         if not options.print_config:
-            options.claims.write_folder("-o", folder_of(name), run_names())
+            options.claims.write_folder("-o", folder_of(name), "cosim", run_names())
 
     if options.checkpoint < 0:
         raise ConfigError(f"--checkpoint {options.checkpoint}: must not be negative")

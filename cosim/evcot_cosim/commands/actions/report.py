@@ -200,7 +200,7 @@ def _of_long_logs(
     summary = write_long_logs(
         dict(zip(names, logs, strict=True)), source, path, command,
         check=lambda extent: check_logs(zip(paths, logs, strict=True), source.recording, extent),
-        claim=lambda folder, pages: options.claims.write_folder("-o", folder, pages),
+        claim=lambda folder, pages: options.claims.write_folder("-o", folder, "report", pages),
         force=options.force,
         progress=lambda events: progress.note(f"writing the pages: {events:,} events done"),
     )  # fmt: skip

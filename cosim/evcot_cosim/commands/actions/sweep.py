@@ -41,7 +41,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     folder = options.output or Path("build") / "sweep" / spec.name
     if options.dry_run:
         return _dry_run(options, spec)
-    options.claims.write_folder("-o", folder, folder_names())
+    options.claims.write_folder("-o", folder, "sweep", folder_names())
     found = swept(options, spec, folder)
     summary = finish(spec, found)
     if options.json:

@@ -28,7 +28,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     spec = _spec(options)
     folder = Path("build") / "tune" / options.output.stem
     for part in ("choose", "validate"):
-        options.claims.write_folder("stores", folder / part, folder_names())
+        options.claims.write_folder("stores", folder / part, "sweep", folder_names())
     found = tune(spec, options.validate, folder, lambda own, where: swept(options, own, where))
     text = preset_toml(spec, found, shlex.join(["evcot", *arguments]))
     with written_aside(options.output, force=options.force) as file:

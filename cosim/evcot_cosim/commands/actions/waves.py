@@ -37,9 +37,9 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         return options.output or Path("build") / "waves" / f"{name}{moment}"
 
     with _counting(options):
-        job, window, moment = _what(options, lambda name: options.claims.write_folder("-o", folder_of(name), _NAMES))
+        job, window, moment = _what(options, lambda name: options.claims.write_folder("-o", folder_of(name), "waves", _NAMES))
     folder = folder_of(job.name)
-    with _counting(options), folder_written_aside(folder) as aside:
+    with _counting(options), folder_written_aside(folder, "waves") as aside:
         _write(job, window, moment, aside)
         write_run_file(aside / RUN_FILE, job.run_file)
     save_learned(options)
