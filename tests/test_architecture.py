@@ -17,9 +17,9 @@ ROOTS = {"evcot": REPOSITORY / "sw", "evcot_cosim": REPOSITORY / "cosim"}
 # Rooms and single modules, in the order in which data flows: each may import those before it, and nothing of what follows.
 ROOMS = {
     "evcot": (
-        "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "outputs", "toml_file", "templating",
-        "structured", "events", "digest", "ticks", "unfinished", "compiling", "recordings", "filters", "tracks", "hardware", "trackers",
-        "scenes", "metrics", "api", "pictures", "anomalies",
+        "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "outputs", "toml_file",
+        "templating", "structured", "events", "digest", "ticks", "unfinished", "compiling", "recordings", "filters",
+        "tracks", "hardware", "trackers", "scenes", "metrics", "api", "pictures", "anomalies",
     ),
     "evcot_cosim": (
         "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages",

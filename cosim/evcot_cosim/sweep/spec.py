@@ -13,7 +13,7 @@ import tomli_w
 from evcot.errors import ConfigError
 from evcot.hardware.contract import Shape
 from evcot.metrics import RULES
-from evcot.outputs import note_input
+from evcot.outputs import is_plain_name, note_input
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.toml_file import read_toml
 from evcot.trackers.engines import ENGINES
@@ -291,6 +291,8 @@ def _fuzz(value: Mapping[str, Any]) -> Fuzz:
 
 
 def _check(spec: Spec) -> None:
+    if not is_plain_name(spec.name):
+        raise ConfigError(f"name = {spec.name!r}: must be a name for a folder in build/sweep, without / and \\")
     if spec.fuzz is not None:
         if spec.has_inputs or spec.axes:
             raise ConfigError("fuzz: must not be given with recordings, scenes or fields")

@@ -31,6 +31,7 @@ __all__ = ["COLUMNS", "RUNS", "Store", "read_rows", "require_pyarrow"]
 RUNS = "runs"  # the folder of the dataset
 _JOURNAL, _INDEX = "journal.jsonl", "runs.json"
 _FILE = re.compile(r"runs-[0-9]{6}\.parquet")  # of the dataset
+_KEY = re.compile(r"[0-9a-f]{16}")
 _PARTIAL = ".partial"
 _FLUSH_ROWS = 5_000
 _FLUSH_S = 5.0
@@ -237,6 +238,8 @@ def read_rows(folder: Path, columns: Iterable[str] | None = None) -> list[dict[s
         except (OSError, arrow.ArrowException) as error:
             raise ConfigError(f"{path}: cannot be read: {' '.join(str(error).split())[:120]}") from error
         for row in table.to_pylist():
+            if not _KEY.fullmatch(str(row["key"])):  # pages of runs are named by it
+                raise ConfigError(f"{path}: key = {row['key']!r}: must have 16 hexadecimal digits")
             rows[row["key"]] = row
     return list(rows.values())
 
@@ -269,7 +272,8 @@ def _row(line: bytes) -> dict[str, Any] | None:
     """A line of the journal, None if it is damaged."""
     try:
         row = json.loads(line)
-        return row if isinstance(row["key"] + row["status"], str) and isinstance(row["settings"], dict) else None
+        good = _KEY.fullmatch(row["key"]) and isinstance(row["status"], str) and isinstance(row["settings"], dict)
+        return row if good else None
     except (ValueError, KeyError, TypeError, RecursionError):
         return None
 

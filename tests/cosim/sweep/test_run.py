@@ -187,7 +187,7 @@ def test_a_damaged_file_and_settings_that_contradict_each_other_are_rows(tmp_pat
         ({"seeds": {"from": 4, "to": 3}}, "seeds: from 4 to 3: must not be negative or empty"),
         ({"seeds": []}, "seeds = []: must be whole numbers"),
         ({"parts": [[5, 5]]}, "parts = [[5, 5]]: must be a list of "),
-        ({"method": "latin"}, "samples = 0: must be at least 1"),
+        ({"method": "latin"}, "samples = 0: must be from 1 to 1,000,000"),
         ({"method": "best"}, "method = 'best': must be one of grid, random, latin, optuna"),
         ({"truth": {"a.raw": "b.csv"}}, "a.raw: must be one of the recordings"),
         ({"families": {"a": ["c.raw"]}}, "c.raw: must be one of scenes or recordings"),
@@ -196,6 +196,7 @@ def test_a_damaged_file_and_settings_that_contradict_each_other_are_rows(tmp_pat
         ({"hardware": ["cot_arry"]}, "hardware: 'cot_arry': must be one of "),
         ({"fuzz": {"events": 5}}, "fuzz: must not be given with recordings, scenes or fields"),
         ({"samples": True}, "samples = True: must be a whole number"),
+        ({"name": "../../mine"}, "name = '../../mine': must be a name for a folder in build/sweep"),
         ({"tables": {"rct": {"radius": 3.0}}}, "no run of engine rct is possible: [rct]: unknown field 'radius'"),
     ],
 )  # fmt: skip

@@ -148,6 +148,13 @@ def test_an_index_names_files_of_the_store_alone(tmp_path: Path, name: object) -
         read_rows(tmp_path)
 
 
+def test_a_key_is_no_path(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.add(row(1) | {"key": "../../mine"})
+    with pytest.raises(ConfigError, match=r"runs-000001.parquet: key = '../../mine': must have 16 hexadecimal digits"):
+        read_rows(tmp_path)
+
+
 def test_a_damaged_line_of_the_journal_costs_that_line(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
         for number in range(1, 4):

@@ -148,8 +148,8 @@ class TestToml:
         [
             (
                 "radius = 3",
-                "top level: unknown field 'radius': must be one of auto, cot, files, filters, made, motion, name, rct, run, shape, "
-                "slot, software, software_filters",
+                "top level: unknown field 'radius': must be one of auto, cot, files, filters, made, motion, name, rct, run, "
+                "shape, slot, software, software_filters",
             ),
             ("[cot]\nradius = 3", "[cot]: unknown field 'radius': must be one of clust_nev, detect_ticks, "),
             ("[shape]\nw = 3", "[shape]: unknown field 'w': must be one of frac, id_w, "),
