@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import signal
+import tempfile
 import traceback
 import warnings
 from collections import Counter
@@ -18,9 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import VcdError
+from .vcd_lines import DOLLAR, vcd_lines
 
-__all__ = ["INT64_BITS", "Declared", "Signal", "Timescale", "declared", "initial_values", "parse", "read"]
+__all__ = ["INT64_BITS", "Declared", "Signal", "Timescale", "declared", "initial_values", "left_out", "parse", "read"]
 
+_FIRST_TIME = re.compile(rb"^#([0-9]+)", re.MULTILINE)
 _RANGE = re.compile(r"\[\d+:\d+\]$")
 INT64_BITS = 62  # the widest signal kept in int64: a sum of two fits too
 _TYPES_WITHOUT_BITS = ("real", "realtime", "event", "string")
@@ -122,6 +125,19 @@ def declared(path: Path) -> tuple[Declared, ...]:
         return _declared(path, vcd)
 
 
+def left_out(path: Path) -> dict[str, str]:
+    """The types of the signals that `declared` leaves out, by their paths and by the last parts of these.
+
+    Raises:
+        VcdError: as for `declared`.
+    """
+    with _readable(path):
+        vcd = parse(path, only_sigs=True)
+        kinds = {name: vcd.data[code].var_type for name, code in vcd.references_to_ids.items()}
+        others = {name: kind for name, kind in kinds.items() if kind in _TYPES_WITHOUT_BITS}
+        return {name.rpartition(".")[2]: kind for name, kind in others.items()} | others
+
+
 def initial_values(path: Path, signals: Sequence[Declared]) -> dict[str, int]:
     """First values of signals, by path; those that are x or z are left out.
 
@@ -131,8 +147,8 @@ def initial_values(path: Path, signals: Sequence[Declared]) -> dict[str, int]:
     if not signals:
         return {}
     # The first time of a window need not be 0: it is the time of the first change of any signal.
-    with _readable(path), path.open() as lines:
-        begin = next((int(line[1:].split()[0]) for line in lines if line.startswith("#")), 0)
+    with _readable(path):
+        begin = next((int(found[1]) for block in vcd_lines(path) if (found := _FIRST_TIME.search(block))), 0)
         vcd = parse(path, signals=[entry.reference for entry in signals], to_time=begin)
         found = {entry.path: vcd.data[entry.code].tv for entry in signals}
         return {path: int(tv[0][1], 2) for path, tv in found.items() if tv and set(tv[0][1]) <= {"0", "1"}}
@@ -166,17 +182,30 @@ def _declared(path: Path, vcd: Any) -> tuple[Declared, ...]:
     )
 
 
-def parse(path: Path, **options: Any) -> Any:
-    """Parse a VCD with vcdvcd and its options.
+def parse(path: Path, *, signals: Sequence[str] = (), only_sigs: bool = False, to_time: int | None = None) -> Any:
+    """Parse a VCD with vcdvcd, from a temporary file with a change per line.
 
     Importing vcdvcd makes SIGPIPE silently kill the process; the previous handler is restored.
+
+    Args:
+        signals: references of the signals whose changes are kept; none: all.
+        only_sigs: read the declarations only.
+        to_time: end with the changes at this time.
     """
     handler = signal.getsignal(signal.SIGPIPE)
     from vcdvcd import VCDVCD
 
     if signal.getsignal(signal.SIGPIPE) != handler:
         signal.signal(signal.SIGPIPE, handler)
-    return VCDVCD(str(path), **options)
+    with tempfile.NamedTemporaryFile(suffix=".vcd") as lines:
+        for block in vcd_lines(path, header_only=only_sigs):
+            lines.write(block)
+        lines.flush()
+        wanted = [name.replace("$", DOLLAR) for name in signals]
+        vcd = VCDVCD(lines.name, signals=wanted, only_sigs=only_sigs, to_time=to_time)
+    vcd.references_to_ids = {name.replace(DOLLAR, "$"): code for name, code in vcd.references_to_ids.items()}
+    vcd.signals = [name.replace(DOLLAR, "$") for name in vcd.signals]
+    return vcd
 
 
 @contextmanager

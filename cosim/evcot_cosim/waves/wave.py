@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .errors import VcdError
 from .expr import Expr
-from .vcd import Declared, Signal, declared, read
+from .vcd import Declared, Signal, declared, left_out, read
 
 __all__ = ["Samples", "Wave"]
 
@@ -90,6 +90,8 @@ class Wave:
             raise VcdError(f"{self.path}: {name} is ambiguous: {', '.join(entry.path for entry in ends[:_NEAR])}{more}")
         if ends:
             return min(ends, key=lambda entry: len(entry.path))
+        if kind := left_out(self.path).get(name):
+            raise VcdError(f"{self.path}: {name} is a {kind}, which is left out: must be a signal of bits")
         raise VcdError(f"{self.path}: no signal {name}; {self._near(name)}")
 
     def sampled(self, clock: str = "clk", begin: int = 0, end: int | None = None) -> Samples:

@@ -82,8 +82,8 @@ def test_only_some_signals_may_be_read(tmp_path: Path, vcd_text: VcdText) -> Non
     ("content", "message"),
     [
         (None, "cannot be read: No such file"),
-        (b"", "not a VCD: must declare at least one signal"),
-        (b"\x89PNG\r\n\x1a\n\xff\xfe", "not a whole VCD"),
+        (b"", "not a VCD: must begin with declarations"),
+        (b"\x89PNG\r\n\x1a\n\xff\xfe", "not a VCD"),
         (
             b"$scope module TOP $end\n$var reg 4 a n [3:0] $end\n$upscope $end\n$enddefinitions $end\n#0\nb101",
             "not a whole VCD",
