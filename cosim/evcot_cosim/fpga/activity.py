@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from ..waves.vcd import Declared
 from .slang import checked, language, pyslang, source_manager
 from .sources import closure, flat
 
-__all__ = ["Design", "ModuleToggles", "by_module", "design_of", "nets_of"]
+__all__ = ["Design", "ModuleToggles", "by_module", "design_of", "nets_of", "uncounted"]
 
 _TOP = "TOP."  # Verilator's scope around the top module
 _INDEX = re.compile(r"\[\d+\]$")
@@ -51,6 +52,7 @@ class Design:
     Attributes:
         modules: of every instance, the module's name.
         registers: what a clocked block assigns.
+        memories: registers that are arrays; a waveform may leave out large ones.
         wires: what is driven otherwise, in the module that drives it.
         nets: these and what passes them on: everything but parameters.
     """
@@ -58,6 +60,7 @@ class Design:
     top: str
     modules: Mapping[str, str]
     registers: frozenset[str]
+    memories: frozenset[str]
     wires: frozenset[str]
     nets: frozenset[str]
 
@@ -69,6 +72,8 @@ def nets_of(design: Design, activity: Activity) -> list[Declared]:
 
 def by_module(design: Design, activity: Activity) -> dict[str, ModuleToggles]:
     """The toggles of each module of a design, most first, from a VCD that Verilator has written of it.
+
+    Memories that the VCD leaves out are not counted; `uncounted` names them.
 
     Raises:
         ConfigError: the VCD is not of this design.
@@ -93,9 +98,15 @@ def by_module(design: Design, activity: Activity) -> dict[str, ModuleToggles]:
         else:
             one.wires += signal.width
             one.wire_toggles += activity.toggles_of(signal)
-    if missing := sorted(design.registers - counted):
+    if missing := sorted(design.registers - design.memories - counted):
         raise ConfigError(f"{missing[0]}: not in the waveform: must be of {design.top} with all that lies below it")
     return dict(sorted(found.items(), key=lambda item: -item[1].register_toggles - item[1].wire_toggles))
+
+
+def uncounted(design: Design, activity: Activity) -> dict[str, int]:
+    """How many memories of each module are not in a VCD of a design."""
+    missing = design.registers & design.memories - {_path(signal) for signal in activity.signals}
+    return dict(Counter(design.modules[_instance(path, design.modules)] for path in sorted(missing)))
 
 
 def _path(signal: Declared) -> str:
@@ -131,6 +142,7 @@ def design_of(top: str, parameters: Mapping[str, int], verilog: Path | None = No
     compilation.addSyntaxTree(tree)
     modules: dict[str, str] = {}
     registers: set[str] = set()
+    memories: set[str] = set()
     driven: set[str] = set()
     fed: set[str] = set()  # inputs, and what an instance's output drives: counted where it is driven
 
@@ -147,12 +159,15 @@ def design_of(top: str, parameters: Mapping[str, int], verilog: Path | None = No
                     fed.update(_targets(ast, whole.left if isinstance(whole, ast.AssignmentExpression) else whole))
         elif isinstance(node, (ast.VariableSymbol, ast.NetSymbol)):
             driven.add(node.hierarchicalPath)
+            if node.type.isUnpackedArray:
+                memories.add(node.hierarchicalPath)
         elif isinstance(node, ast.AssignmentExpression) and node.isNonBlocking:
             registers.update(_targets(ast, node.left))
         return ast.VisitAction.Advance
 
     compilation.getRoot().visit(visit)
-    return Design(top, modules, frozenset(registers), frozenset(driven - registers - fed), frozenset(driven))
+    wires = driven - registers - fed
+    return Design(top, modules, frozenset(registers), frozenset(memories), frozenset(wires), frozenset(driven))
 
 
 def _targets(ast: Any, left: Any) -> set[str]:

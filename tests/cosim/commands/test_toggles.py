@@ -49,6 +49,16 @@ def test_the_table_ends_in_sums_and_clocks(capsys: Capture) -> None:
     assert not any("parameter_check" in row for row in rows)
 
 
+def test_memories_too_large_for_a_waveform_are_named(capsys: Capture) -> None:
+    assert main(["toggles", "boxes", "--to", "2", "--preset", "discs", "--saif", "x.saif"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == (
+        "cot_array: not counted, since too large for a waveform: memories, 1 of filter_refractory"
+    )
+    saif = Path("x.saif").read_text()
+    assert "INSTANCE u_refractory" in saif
+    assert "stamps" not in saif
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -15,7 +15,7 @@ from pathlib import Path
 from evcot.errors import ConfigError
 
 from ...devices.device import build_device
-from ...fpga.activity import ModuleToggles, by_module, design_of, nets_of
+from ...fpga.activity import ModuleToggles, by_module, design_of, nets_of, uncounted
 from ...lockstep.lockstep import dump_window
 from ...names import Top
 from ...tables import print_table
@@ -39,6 +39,7 @@ class _Counted:
     n_events: int
     n_clocks: int
     modules: dict[str, ModuleToggles]
+    uncounted: dict[str, int]  # of each module, memories that are too large for a waveform
 
     @property
     def whole(self) -> ModuleToggles:
@@ -82,7 +83,8 @@ def _count(job: Job, top: Top, window: Window, saif: Path | None = None, *, forc
     modules = by_module(design, activity)
     if saif is not None:
         write_saif(activity, saif, f"TOP.{model.top}", nets_of(design, activity), force=force)
-    return _Counted(top, window.last + 1 - window.first, activity.duration // CLOCK, modules)
+    left_out = uncounted(design, activity)
+    return _Counted(top, window.last + 1 - window.first, activity.duration // CLOCK, modules, left_out)
 
 
 def _print(counted: Sequence[_Counted]) -> None:
@@ -101,3 +103,6 @@ def _print(counted: Sequence[_Counted]) -> None:
     print_table(rows)
     for one in counted:
         print(f"{one.top}: {one.n_events:,} events, {one.n_clocks / one.n_events:.2f} clocks an event")
+        if one.uncounted:
+            memories = ", ".join(f"{n} of {module}" for module, n in one.uncounted.items())
+            print(f"{one.top}: not counted, since too large for a waveform: memories, {memories}")
