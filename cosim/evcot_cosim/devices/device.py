@@ -41,6 +41,7 @@ _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 _MOTION = "cot_motion"  # the array with motion
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
+_NO_EVENTS = TickedEvents(np.empty(0, np.int64), *np.empty((2, 0), np.uint16), np.empty(0, np.uint8))
 # More than a motion step takes: docs/motion.md.
 _SLOT_CLOCKS = 300  # of each slot that lives, with a merge
 _PAIR_CLOCKS = 60  # and each other one that it is compared with
@@ -176,7 +177,9 @@ class Device:
         if self.config.motion.enable:
             self._write(motion_writes(self.config.motion))
         for slot, registers in enumerate(self.config.slots):
-            self.write_registers(slot, registers)
+            self._write_slot(slot, registers)
+        self._unfinished = False
+        self._early: list[tuple[NDArray[np.void], NDArray[np.int64]]] = []  # records before the next stream's, and their clocks
         if self.config.filtered:
             self._settle()
             self.write_filters(self.config.filters)
@@ -185,8 +188,16 @@ class Device:
     def write_registers(self, slot: int, registers: SlotConfig) -> None:
         """Write one slot's registers through the register port, `mode` last: that restarts the slot.
 
-        With motion a slot has no other.
+        With motion a slot has no other. A restart goes on for some clocks after the write. The next write waits for its end;
+        the records of tracks that end by it are among those that the next `stream` returns.
         """
+        if self._unfinished:
+            decisions, times = self._stream(_NO_EVENTS, np.empty(0, np.int64))
+            self._early = [(decisions.records, times)]
+        self._write_slot(slot, registers)
+        self._unfinished = True
+
+    def _write_slot(self, slot: int, registers: SlotConfig) -> None:
         if self.top != "cot":
             self.sim.io.cfg_slot = slot
         if self.config.motion.enable:
@@ -305,6 +316,7 @@ class Device:
             now=self.now, began=self.now, cycle=self.cycle, step_clocks=self._step_clocks(ticked.ticks),
             vcd=self._vcd, vcd_from=self._vcd_window[0], vcd_to=self._vcd_window[1],
         )  # fmt: skip
+        self._unfinished = False
         records: list[NDArray[np.void]] = []
         recorded: list[NDArray[np.int64]] = []
         status = Status.RECORDS_FULL
@@ -327,8 +339,12 @@ class Device:
             raise HardwareError(f"{self.top} {status.fault} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
         joined = records[0] if len(records) == 1 else np.concatenate(records)
         order = _order_of(joined) if self.top == "cot_chain" else slice(None)
-        times = np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)
-        return Decisions(joined[order], owner, rel_x, rel_y), times
+        joined, times = joined[order], np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)
+        if self._early:
+            early, self._early = [*self._early, (joined, times)], []
+            joined = np.concatenate([found for found, _ in early])
+            times = np.concatenate([clocks for _, clocks in early]) if recorded else times
+        return Decisions(joined, owner, rel_x, rel_y), times
 
     def _step_clocks(self, ticks: NDArray[np.int64]) -> int:
         """The most clocks that motion steps take in the longest wait: in each, every slot may be compared with all others."""

@@ -22,7 +22,7 @@ from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import HardwareError, Stalls
-from evcot_cosim.devices.device import Device, _order_of
+from evcot_cosim.devices.device import Device, _order_of, arrangement_of
 from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
@@ -178,6 +178,24 @@ class TestStream:
         records["kind"] = [Kind.LOST, Kind.LOST, Kind.LOST, Kind.MOVED, Kind.BORN]
         records["slot"] = [0, 2, 1, 1, 0]
         assert _order_of(records).tolist() == [3, 2, 1, 0, 4]
+
+
+@pytest.mark.parametrize("top", TOPS)
+def test_writes_of_a_slot_in_a_row_are_finished_one_after_the_other(top: Top) -> None:
+    """Of the first write only what it ends is left; its restart does not mix with the registers of the second."""
+    rng, config = np.random.default_rng(8), config_of(top)
+    device, model, ended = bare_device(config, top), CotModel(config, arrangement_of(top)), 0
+    for part in cut(traffic(3_000, 9), *range(100, 3_000, 100)):
+        said = []
+        for _ in range(int(rng.integers(1, 5))):
+            slot, radix, mode = (int(rng.integers(low, high)) for low, high in ((0, config.shape.n_slots), (4, 12), (0, 3)))
+            registers = replace(SLOT, mode=mode, init_radix=radix, init_cm_x=radix * 9, radix_max=12)
+            device.write_registers(slot, registers)
+            said.append(model.write_registers(slot, registers, restart=True))
+        found, wanted = device.stream(part), model.feed(part)
+        ended += sum(map(len, said))
+        assert same(found, wanted._replace(records=np.concatenate([*said, wanted.records])))
+    assert ended > 5
 
 
 def test_a_single_tracker_has_one_slot() -> None:
