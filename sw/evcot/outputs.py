@@ -21,7 +21,7 @@ import tempfile
 import tomllib
 import weakref
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from hashlib import blake2b
@@ -45,6 +45,7 @@ __all__ = [
     "reading",
     "remade",
     "spool_folder",
+    "suffix_of",
     "written_aside",
 ]
 
@@ -142,6 +143,22 @@ def check_file(path: Path, title: str = "", *, force: bool = False) -> None:
             if not force:
                 raise OutputError(f"{name}: {_EXISTS}")
         _check_writable(name, _resolved(path).parent)
+
+
+def suffix_of(path: Path, suffixes: Sequence[str], title: str = "") -> str:
+    """The suffix of an output, in small letters; of a pipe or a device without one, the first of `suffixes`.
+
+    Raises:
+        OutputError: it is none of `suffixes`; `title` names the option in the message.
+    """
+    suffix = (path.suffix or _resolved(path).suffix).lower()  # a link may have another name
+    if not suffix and _is_special(path):
+        return suffixes[0]
+    if suffix not in suffixes:
+        name = f"{title} {path}".strip()
+        rule = f"must be {suffixes[0]}" if len(suffixes) == 1 else f"must be one of {', '.join(suffixes)}"
+        raise OutputError(f"{name}: suffix {path.suffix!r}: {rule}")
+    return suffix
 
 
 _EXISTS = "exists: must be another file, or --force must be given to replace it (in Python: force=True)"

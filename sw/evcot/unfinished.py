@@ -181,9 +181,9 @@ def _make(folder: Path) -> None:
             shutil.rmtree(aside, ignore_errors=True)
             if not os.path.lexists(folder):
                 raise
-    lock = folder / _LOCK
+    mark = folder / _LOCK
     is_folder = stat.S_ISDIR(folder.lstat().st_mode)
-    if not is_folder or lock.is_symlink() or not lock.is_file() or lock.read_bytes() != _MARK:
+    if not is_folder or mark.is_symlink() or not mark.is_file() or mark.read_bytes() != _MARK:
         raise OutputError(f"{folder}: exists, and evcot did not make it: must be moved away, or another output named")
 
 

@@ -29,7 +29,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the rules; may be repeated"
     )
     output_option(
-        parser, "-o", "--output", metavar="FILE", help="write alarms as .csv or .json; with --learn, normal motion as .npz"
+        parser,
+        "-o",
+        "--output",
+        suffixes=(".csv", ".json", ".npz"),
+        metavar="FILE",
+        help="write alarms as .csv or .json; with --learn, normal motion as .npz",
     )
-    output_option(parser, "--picture", metavar="PNG", help="draw tracks and alarms there")
+    output_option(parser, "--picture", suffixes=(".png", ".svg", ".pdf"), metavar="PNG", help="draw tracks and alarms there")
     parser.add_argument("--json", action="store_true", help="print everything as JSON")

@@ -43,7 +43,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     output_option(
         parser, "--save", metavar="FILE", help="record everything received: .aedat4 or .raw; readable even after a kill"
     )
-    output_option(parser, "--save-log", metavar="LOG.npz", help="write the track log when the run ends")
+    output_option(parser, "--save-log", suffixes=(".npz",), metavar="LOG.npz", help="write the track log when the run ends")
     parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="stop after so many seconds")
     engine_options(parser)
     recording_options(parser)

@@ -19,7 +19,7 @@ from pkgutil import resolve_name
 from typing import Any, NoReturn
 
 from evcot.errors import meant
-from evcot.outputs import Claims
+from evcot.outputs import Claims, suffix_of
 
 __all__ = [
     "INPUT_TYPES",
@@ -171,13 +171,17 @@ def output_option(
     *names: str,
     folder: bool = False,
     group: argparse._ArgumentGroup | None = None,
+    suffixes: Sequence[str] = (),
     **more: Any,
 ) -> None:
     """Add an argument that names a file or a folder to write, listed in `group` if there is one.
 
+    A file with a suffix that is none of `suffixes` is refused before any work; without `suffixes` the command checks itself.
+
     The first file of a parser adds --force too, among the parser's own options: it holds for all files that are written.
     """
-    (group or parser).add_argument(*names, type=output_folder if folder else output_file, **more)
+    action = (group or parser).add_argument(*names, type=output_folder if folder else output_file, **more)
+    parser.set_defaults(suffixes={**(parser.get_default("suffixes") or {}), action.dest: tuple(suffixes)})
     if not folder and "--force" not in parser._option_string_actions:
         parser.add_argument("--force", action="store_true", help="replace output files that exist")
 
@@ -244,6 +248,9 @@ def claims_of(options: argparse.Namespace) -> Claims:
             claims.write(_title(action), path, force=options.force)
         else:
             claims.write_folder(_title(action), path, options.parser.prog.rpartition(" ")[2])
+    for action, path in _given(options, (output_file,)):
+        if suffixes := options.suffixes[action.dest]:
+            suffix_of(path, suffixes, _title(action))
     return claims
 
 

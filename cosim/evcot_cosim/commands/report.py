@@ -44,7 +44,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         help=f"how to read and score the truth: {known}, or a .toml file (default: by its columns)",
     )
     output_option(
-        parser, "-o", "--output", metavar="HTML", help="where to write (default: report.html in the folder, replaced there)"
+        parser,
+        "-o",
+        "--output",
+        suffixes=(".html", ".htm"),
+        metavar="HTML",
+        help="where to write (default: report.html in the folder, replaced there)",
     )
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")

@@ -28,7 +28,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         help="a scene (see --list), a video file, or a folder of images",
     )
     output_option(parser, "-o", "--output", metavar="FILE", help="the recording to write; its suffix gives the format")
-    output_option(parser, "--truth", metavar="CSV", help="the truth of a scene (default: NAME.truth.csv beside FILE)")
+    output_option(
+        parser, "--truth", suffixes=(".csv",), metavar="CSV", help="the truth of a scene (default: NAME.truth.csv beside FILE)"
+    )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     parser.add_argument("--duration", type=float, metavar="S", help="length in seconds (default: the scene's; of a video, all)")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the scene's)")

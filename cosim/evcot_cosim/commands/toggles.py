@@ -35,5 +35,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         help=f"end (default: {TOGGLES_MS:g} ms after --from)",
     )
     parser.add_argument("--beside", choices=get_args(Top), help="another RTL module on the same events, in the same table")
-    output_option(parser, "--saif", metavar="FILE", help="write the toggles of every net of --hardware in SAIF")
+    output_option(
+        parser, "--saif", suffixes=(".saif",), metavar="FILE", help="write the toggles of every net of --hardware in SAIF"
+    )
     parser.add_argument("--json", action="store_true", help="print the figures as JSON")

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import argparse
 
+from evcot.tracks.suffixes import CSV, LOG_SUFFIXES
+
 from .box_options import FORMATS_TEXT, clock_options
 from .engine_options import engine_options
 from .filter_options import filter_options
@@ -27,8 +29,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = add_command(commands, "track", "track the objects in a recording", _EXAMPLES)
     parser.add_argument("recording", type=input_path, metavar="FILE", help="the recording, in any format that evcot reads")
     engine_options(parser)
-    output_option(parser, "-o", "--output", metavar="LOG", help="write the track log, .npz or .parquet")
-    output_option(parser, "--csv", metavar="LOG.csv", help="write its records as text, too")
+    output_option(
+        parser,
+        "-o",
+        "--output",
+        suffixes=LOG_SUFFIXES,
+        metavar="LOG",
+        help="write the track log, .npz, .parquet or .csv (records alone)",
+    )
+    output_option(parser, "--csv", suffixes=(CSV,), metavar="LOG.csv", help="write its records as text, too")
     output_option(parser, "--boxes", metavar="FILE", help="write the tracks' boxes, one per frame (--frame-us)")
     parser.add_argument("--boxes-format", metavar="NAME", help=f"format of the boxes: {FORMATS_TEXT}")
     clock_options(parser, "the first event")

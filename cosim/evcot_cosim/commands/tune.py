@@ -73,7 +73,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         metavar="SHARE",
         help="share kept for validation: of the recordings, or of the time of a single one (default: 0.34)",
     )
-    output_option(parser, "-o", "--output", required=True, metavar="TOML", help="write the chosen settings, for --config")
+    output_option(
+        parser,
+        "-o",
+        "--output",
+        suffixes=(".toml",),
+        required=True,
+        metavar="TOML",
+        help="write the chosen settings, for --config",
+    )
     parser.add_argument("--json", action="store_true", help="print what was found as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
     scheduler_options(parser)

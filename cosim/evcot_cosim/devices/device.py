@@ -41,7 +41,7 @@ _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 _MOTION = "cot_motion"  # the array with motion
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
-_NO_EVENTS = TickedEvents(np.empty(0, np.int64), *np.empty((2, 0), np.uint16), np.empty(0, np.uint8))
+_NO_EVENTS = TickedEvents(np.empty(0, np.int64), np.empty(0, np.uint16), np.empty(0, np.uint16), np.empty(0, np.uint8))
 # More than a motion step takes: docs/motion.md.
 _SLOT_CLOCKS = 300  # of each slot that lives, with a merge
 _PAIR_CLOCKS = 60  # and each other one that it is compared with

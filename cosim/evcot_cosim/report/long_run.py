@@ -20,7 +20,8 @@ from evcot.outputs import folder_written_aside
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import Kind
 from evcot.tracks.log_parts import runs_of
-from evcot.tracks.parquet import SUFFIX, check_parquet
+from evcot.tracks.parquet import check_parquet
+from evcot.tracks.suffixes import PARQUET
 from evcot.tracks.writing import save_log
 
 from ..lockstep.cosim import near_px, stalls_from
@@ -102,7 +103,7 @@ def _suffix() -> str:
         check_parquet("")
     except TrackLogError:
         return ".npz"
-    return SUFFIX
+    return PARQUET
 
 
 def _write_waves(run: LongRun, folder: Path, head: Recording) -> None:

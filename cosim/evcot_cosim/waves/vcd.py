@@ -148,7 +148,7 @@ def initial_values(path: Path, signals: Sequence[Declared]) -> dict[str, int]:
         return {}
     # The first time of a window need not be 0: it is the time of the first change of any signal.
     with _readable(path):
-        begin = next((int(found[1]) for block in vcd_lines(path) if (found := _FIRST_TIME.search(block))), 0)
+        begin = next((int(first[1]) for block in vcd_lines(path) if (first := _FIRST_TIME.search(block))), 0)
         vcd = parse(path, signals=[entry.reference for entry in signals], to_time=begin)
         found = {entry.path: vcd.data[entry.code].tv for entry in signals}
         return {path: int(tv[0][1], 2) for path, tv in found.items() if tv and set(tv[0][1]) <= {"0", "1"}}

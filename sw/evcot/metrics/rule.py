@@ -151,7 +151,7 @@ def load_rule(name: str | Path) -> Rule:
     if not shipped:
         note_input(Path(name))
     try:
-        data = read_toml(path)
+        data = read_toml(Path(str(path)))
         base = data.pop("base", None)
         if base is not None:
             if base not in RULES:

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .npz import NpzFile
-from .parquet import SUFFIX, LogFile
+from .parquet import LogFile
 from .record import DROPPED, TRACK, Kind
+from .suffixes import PARQUET
 from .writing import save_log, write_csv, write_npz
 
 __all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
@@ -65,10 +66,10 @@ class TrackLog:
         return len(self.owner)
 
     def save(self, path: Path | str, *, force: bool = False) -> None:
-        """Write the log: as Parquet where the name ends with .parquet, as `save_npz` otherwise.
+        """Write the log in the format of the suffix: .npz, .parquet, or .csv, which has no owners and cannot be read again.
 
         Raises:
-            OutputError: the file exists (without `force`), or cannot be written.
+            OutputError: an unknown suffix, the file exists (without `force`), or it cannot be written.
             TrackLogError: pyarrow is not installed.
         """
         save_log(self, path, force=force)
@@ -83,7 +84,7 @@ class TrackLog:
         Raises:
             TrackLogError: the file is missing, damaged, or not a TrackLog.
         """
-        if Path(path).suffix.lower() != SUFFIX:
+        if Path(path).suffix.lower() != PARQUET:
             return cls.load_npz(path)
         file = LogFile(path)
         return cls(file.engine, *file.read(owners=owners), file.recording)

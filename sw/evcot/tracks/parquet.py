@@ -31,9 +31,8 @@ from .record import TRACK, Kind
 if TYPE_CHECKING:
     from .spool import LogColumns
 
-__all__ = ["SUFFIX", "LogFile", "check_parquet", "write_log"]
+__all__ = ["LogFile", "check_parquet", "write_log"]
 
-SUFFIX = ".parquet"
 _END, _NONE = "END", "NONE"
 _OWNERS = "owners"
 _COLUMNS = (*(TRACK.names or ()), _OWNERS)

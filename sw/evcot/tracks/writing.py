@@ -10,11 +10,12 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..outputs import written_aside
+from ..outputs import suffix_of, written_aside
 from .column import Column
-from .parquet import SUFFIX, check_parquet, write_log
+from .parquet import check_parquet, write_log
 from .record import TRACK, Kind
 from .spool import LogColumns
+from .suffixes import CSV, LOG_SUFFIXES, PARQUET
 
 __all__ = ["check_log_path", "save_log", "write_csv", "write_npz"]
 
@@ -22,19 +23,19 @@ _ROWS = 1 << 16  # written at a time
 
 
 def check_log_path(path: Path | str) -> None:
-    """Raise TrackLogError, before the work, for a log that could not be written: Parquet without pyarrow."""
-    if Path(path).suffix.lower() == SUFFIX:
+    """Raise OutputError or TrackLogError, before the work, for an unknown suffix, and for Parquet without pyarrow."""
+    if suffix_of(Path(path), LOG_SUFFIXES) == PARQUET:
         check_parquet(path)
 
 
 def save_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None:
-    """Write a log: as Parquet where the name ends with .parquet, as `write_npz` otherwise.
+    """Write a log in the format of its suffix, one of `LOG_SUFFIXES`; CSV has the records alone, without owners.
 
     Raises:
-        OutputError: the file exists (without `force`), or cannot be written.
+        OutputError: an unknown suffix, the file exists (without `force`), or it cannot be written.
         TrackLogError: pyarrow is not installed.
     """
-    write = write_log if Path(path).suffix.lower() == SUFFIX else write_npz
+    write = {PARQUET: write_log, CSV: write_csv}.get(suffix_of(Path(path), LOG_SUFFIXES), write_npz)
     write(log, path, force=force)
 
 

@@ -152,7 +152,7 @@ def test_a_log_that_does_not_belong_is_refused(capsys: Capture) -> None:
         (["today.npz", "monday.npz"], "2 logs: must be one, unless --learn is given"),
         (["today.npz", "--normal", "monday.npz"], "monday.npz: has no array format: must be a field of normal motion"),
         (["today.npz", "--zones", "none.toml"], "none.toml: cannot be read: No such file or directory"),
-        (["today.npz", "-o", "alarms.txt"], "alarms.txt: must end in .csv or .json"),
+        (["today.npz", "-o", "alarms.txt"], "-o alarms.txt: suffix '.txt': must be one of .csv, .json, .npz"),
         (["today.npz", "-o", "no/alarms.csv"], "-o no/alarms.csv: cannot be written: No such file or directory"),
         (["today.npz", "--set", "hold"], "--set hold: must be KEY=VALUE"),
         (["today.npz", "--set", "hold=1"], "anomalies.hold: no such setting: must be one of step_us,"),

@@ -154,6 +154,31 @@ def test_filters_go_in_front_of_any_engine(source: Path, engine: tuple[str, ...]
     assert np.array_equal(log.owner == -2, ~keep)
 
 
+@pytest.mark.parametrize("option", ["-o", "--csv"])
+def test_records_are_written_as_csv(source: Path, option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tracked(source)
+    assert main(["track", str(source), option, "y.csv", "-q"]) == 0
+    log.write_csv("wanted.csv")
+    assert Path("y.csv").read_text() == Path("wanted.csv").read_text()
+    assert main(["plot", "y.csv", "--recording", str(source), "-o", "y.png"]) == 2
+    assert "y.csv: has records alone, without owners: must be the .npz or .parquet log" in capsys.readouterr().err
+
+
+def test_an_unknown_suffix_is_refused_before_the_work(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["track", str(source), "-o", "y.xlsx"]) == 2
+    assert capsys.readouterr().err == "evcot: -o y.xlsx: suffix '.xlsx': must be one of .npz, .parquet, .csv\n"
+    with pytest.raises(evcot.OutputError, match=r"^y\.log: suffix '\.log': must be one of \.npz, \.parquet, \.csv$"):
+        tracked(source).save("y.log")
+    assert {path.name for path in Path().iterdir()} == {"log.npz"}
+
+
+def test_a_run_that_saves_nothing_says_so(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["track", str(source)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "nothing was saved: -o LOG.npz writes the track log, --boxes its boxes"
+    assert main(["track", str(source), "--csv", "y.csv"]) == 0
+    assert "nothing was saved" not in capsys.readouterr().out
+
+
 def test_a_window_of_the_recording(source: Path) -> None:
     log = tracked(source, "--from", "50", "--to", "150")
     events = read_recording(source).window(50_000, 150_000).events

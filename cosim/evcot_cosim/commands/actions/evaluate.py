@@ -12,7 +12,8 @@ from evcot.api import evaluate
 from evcot.errors import ConfigError, TrackLogError
 from evcot.metrics.scores import Scores
 from evcot.tracks.log import TrackLog
-from evcot.tracks.parquet import SUFFIX, LogFile
+from evcot.tracks.parquet import LogFile
+from evcot.tracks.suffixes import PARQUET
 
 from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...tables import print_table
@@ -57,7 +58,7 @@ def _logs_of_run(options: argparse.Namespace) -> dict[str, Path]:
         raise ConfigError("--log-format: must not be given with the folder of a run, whose logs are its own")
     logs = {name: path for name in RUN_LOGS if (path := log_of_run(folder, name)).is_file()}
     for path in logs.values():
-        of = LogFile(path).recording if path.suffix == SUFFIX else TrackLog.load_npz(path).recording
+        of = LogFile(path).recording if path.suffix == PARQUET else TrackLog.load_npz(path).recording
         if of and described.digest and of != described.digest:
             raise TrackLogError(f"{path}: recording = {of!r}: must be the digest in {RUN_FILE}, {described.digest!r}")
     if not logs:

@@ -90,6 +90,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         print(json.dumps(found | said, indent=2, allow_nan=False))
     elif not options.quiet:
         print_table([(_LABELS.get(name, name.replace("_", " ")), _text(name, value)) for name, value in found.items()])
+        if not outputs:
+            print("nothing was saved: -o LOG.npz writes the track log, --boxes its boxes")
     return 0
 
 

@@ -15,7 +15,7 @@ from evcot.pictures.plots import Log
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
-from evcot.tracks.parquet import SUFFIX
+from evcot.tracks.suffixes import PARQUET
 
 from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
@@ -48,7 +48,7 @@ class Tracked:
 
 def log_of_run(folder: Path, name: str) -> Path:
     """The log of an engine in the folder of a run, .npz, or .parquet of a long one; it need not exist."""
-    parquet = folder / f"{name}{SUFFIX}"
+    parquet = folder / f"{name}{PARQUET}"
     return parquet if parquet.is_file() else folder / f"{name}.npz"
 
 
