@@ -18,6 +18,7 @@ from evcot.trackers.auto_registers import auto_config, told
 from evcot.trackers.config import RunConfig, load_toml
 from evcot_cosim.cli import main, parser
 from evcot_cosim.commands.actions import job
+from evcot_cosim.commands.parsing import claims_of
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +131,7 @@ def test_a_long_recording_is_looked_at_by_kernels_that_another_process_compiled(
     compiled: list[object] = []
     monkeypatch.setattr(job, "compiled_aside", lambda function, *_: compiled.append(function))
     options = parser().parse_args(["cosim", str(discs)])
+    options.claims = claims_of(options)
     for most, aside in ((1_000, [estimate]), (None, [])):
         compiled.clear()
         assert job.job_from(options, auto=True, most=most).more == (most is not None)
