@@ -15,6 +15,9 @@ from .shapes import DISC, INTENSITY, KIND, OBJECT, X, Y
 
 __all__ = ["bounds", "changes", "draw", "shift_texture"]
 
+_APART = 8  # unchanged pixels between two stretches of a row: fewer are part of one
+_MARGIN = 1e-3  # px, of shortcuts: rounding never decides
+
 
 @njit(cache=True, nogil=True)
 def bounds(shape):  # type: ignore[no-untyped-def]
@@ -70,48 +73,88 @@ def changes(before, after, width, height):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True)
 def draw(rectangles, shapes, background, scratch, linear, frame):  # type: ignore[no-untyped-def]
     """Redraw rectangles of a frame: `background` (linear) and shapes, the farthest first, into `linear` and its logarithm,
-    `frame`. `scratch`: work space of the frame's size."""
+    `frame`. `scratch`: work space of the frame's size, which only this function writes.
+
+    Returns (n, 4) int64 stretches of rows, as rectangles, that hold every pixel that has changed.
+    """
     height, width = frame.shape
-    places, edges = np.empty((len(shapes), 4), np.int64), np.empty((len(shapes), 4, 3))
-    for i in range(len(shapes)):
-        left, top, right, bottom = bounds(shapes[i])
-        places[i, 0], places[i, 1], places[i, 2], places[i, 3] = _pixels(left, top, right, bottom, width, height)
-        if shapes[i, KIND] != DISC:
-            _edges(shapes[i], edges[i])
     for r in range(len(rectangles)):
         left, top, right, bottom = rectangles[r]
         scratch[top:bottom, left:right] = background[top:bottom, left:right]
-        for i in range(len(shapes)):
-            first_x, first_y = max(places[i, 0], left), max(places[i, 1], top)
-            past_x, past_y = min(places[i, 2], right), min(places[i, 3], bottom)
-            if first_x < past_x and first_y < past_y:
-                _blend(shapes[i], edges[i], scratch, first_x, first_y, past_x, past_y)
+    edges = np.empty((4, 3))
+    for i in range(len(shapes)):
+        left, top, right, bottom = bounds(shapes[i])
+        first_x, first_y, past_x, past_y = _pixels(left, top, right, bottom, width, height)
+        if first_x < past_x and first_y < past_y:
+            if shapes[i, KIND] == DISC:
+                _blend_disc(shapes[i], scratch, first_x, first_y, past_x, past_y)
+            else:
+                _edges(shapes[i], edges)
+                _blend_quadrangle(shapes[i], edges, scratch, first_x, first_y, past_x, past_y)
+    stretches, n = np.empty((256, 4), np.int64), 0
+    for r in range(len(rectangles)):
+        left, top, right, bottom = rectangles[r]
+        most = (right - left) // _APART + 2
         for y in range(top, bottom):
+            if n + most > len(stretches):
+                longer = np.empty((2 * (n + most), 4), np.int64)
+                longer[:n] = stretches[:n]
+                stretches = longer
+            past = -_APART
             for x in range(left, right):
-                if scratch[y, x] != linear[y, x]:
-                    linear[y, x] = scratch[y, x]
-                    frame[y, x] = np.log(scratch[y, x])
+                light = scratch[y, x]
+                if np.isnan(light):  # done, in another rectangle
+                    continue
+                scratch[y, x] = np.nan
+                if light != linear[y, x]:
+                    linear[y, x] = light
+                    frame[y, x] = np.log(light)
+                    if past < left or x - past >= _APART:
+                        stretches[n, 0], stretches[n, 1], stretches[n, 3] = x, y, y + 1
+                        n += 1
+                    past = x + 1
+                    stretches[n - 1, 2] = past
+    return stretches[:n]
 
 
 @step
-def _blend(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ignore[no-untyped-def]
-    """Blend a shape into a rectangle of a picture."""
-    if shape[KIND] == DISC:
-        for y in range(first_y, past_y):
-            for x in range(first_x, past_x):
-                depth = shape[X + 1] - np.hypot(x - shape[X], y - shape[Y])
-                part = min(max(depth + 0.5, 0.0), 1.0)
-                picture[y, x] += part * (shape[INTENSITY] - picture[y, x])
-        return
+def _blend_disc(shape, picture, first_x, first_y, past_x, past_y):  # type: ignore[no-untyped-def]
+    """Blend a disc into a rectangle of a picture."""
+    radius, light = shape[X + 1], shape[INTENSITY]
+    inside = max(radius - 0.5 - _MARGIN, 0.0) ** 2
     for y in range(first_y, past_y):
+        down = y - shape[Y]
         for x in range(first_x, past_x):
+            across = x - shape[X]
+            if across * across + down * down < inside:
+                part = 1.0
+            else:
+                part = min(max(radius - np.hypot(across, down) + 0.5, 0.0), 1.0)
+            picture[y, x] += part * (light - picture[y, x])
+
+
+@step
+def _blend_quadrangle(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ignore[no-untyped-def]
+    """Blend a quadrangle into a rectangle of a picture; of a row, only the pixels are looked at that it may cover."""
+    light = shape[INTENSITY]
+    for y in range(first_y, past_y):
+        low, high = float(first_x), float(past_x)
+        for edge in range(4):
+            a, rest = edges[edge, 0], edges[edge, 1] * y + edges[edge, 2] + 0.5
+            if a > _MARGIN:
+                low = max(low, -rest / a - 1.0)
+            elif a < -_MARGIN:
+                high = min(high, -rest / a + 2.0)
+            elif rest < -1.0:
+                high = low
+        for x in range(int(low), int(high)):
             part = 1.0
             for pair in range(2):
                 here = edges[pair, 0] * x + edges[pair, 1] * y + edges[pair, 2]
                 there = edges[pair + 2, 0] * x + edges[pair + 2, 1] * y + edges[pair + 2, 2]
                 part *= max(min(max(here + 0.5, 0.0), 1.0) + min(max(there + 0.5, 0.0), 1.0) - 1.0, 0.0)
             if part > 0.0:
-                picture[y, x] += part * (shape[INTENSITY] - picture[y, x])
+                picture[y, x] += part * (light - picture[y, x])
 
 
 @step

@@ -21,8 +21,8 @@ DISC, QUADRANGLE = 0.0, 1.0
 
 def discs(objects: ArrayLike, x: ArrayLike, y: ArrayLike, radius_px: ArrayLike, intensity: ArrayLike) -> NDArray[np.float64]:
     """One disc per entry; scalars are broadcast."""
-    columns = np.broadcast_arrays(*(np.atleast_1d(part) for part in (objects, x, y, radius_px, intensity)))
-    shapes = np.zeros((len(columns[0]), _COLUMNS))
+    columns = (objects, x, y, radius_px, intensity)
+    shapes = np.zeros((max(np.size(part) for part in columns) if all(np.size(part) for part in columns) else 0, _COLUMNS))
     shapes[:, KIND] = DISC
     for column, part in zip((OBJECT, X, Y, X + 1, INTENSITY), columns, strict=True):
         shapes[:, column] = part

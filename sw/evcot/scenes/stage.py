@@ -86,8 +86,7 @@ def film(stage: Stage, settings: StageSettings) -> Scene:
         if moved_px > _MOVE_PX and next_us > t_us + 1:
             step_us = (next_us - t_us) * _AIM * _MOVE_PX / moved_px
             continue
-        canvas.draw(changed)
-        blocks.append(camera.step(canvas.frame, next_us, changed))
+        blocks.append(camera.step(canvas.frame, next_us, canvas.draw(changed)))
         step_us = (next_us - t_us) * min(_AIM * _MOVE_PX / max(moved_px, 1e-9), 2.0)
         t_us = next_us
     events = Events.joined(blocks)
@@ -133,13 +132,14 @@ class _Canvas:
             moved_px = max(moved_px, *(abs(now - was) for was, now in zip(self._shift, self._next_shift, strict=True)))
         return changed, moved_px
 
-    def draw(self, changed: NDArray[np.int64]) -> None:
-        """Update the frame to the time of the last call of `look`."""
+    def draw(self, changed: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Update the frame to the time of the last call of `look`; returns where it has changed, as `draw` of the kernel."""
         if self._next_shift != self._shift:
             self._shift = self._next_shift
             self._move_background()
         self._shapes = self._next
-        draw(changed, self._shapes, self._background, self._scratch, self._linear, self.frame)
+        stretches: NDArray[np.int64] = draw(changed, self._shapes, self._background, self._scratch, self._linear, self.frame)
+        return stretches
 
     def _move_background(self) -> None:
         right, down = self._shift
