@@ -37,7 +37,7 @@ _APART_US = 10_000
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """long_COMMAND_memory, long_COMMAND_growth: of track, cosim, cosim_default and report; long_COMMAND_first: of all but track;
+    """long_COMMAND_memory, long_COMMAND_growth: of track, cosim, cosim_default and report; long_COMMAND_first: not of track;
     long_cosim_after, long_lockstep_rate."""
     short, long = (3_000_000, 9_000_000) if quick else (8_000_000, 64_000_000)
     with tempfile.TemporaryDirectory() as place:

@@ -126,9 +126,8 @@ def _blend_disc(shape, picture, first_x, first_y, past_x, past_y):  # type: igno
         down = y - shape[Y]
         for x in range(first_x, past_x):
             across = x - shape[X]
-            if across * across + down * down < inside:
-                part = 1.0
-            else:
+            part = 1.0
+            if across * across + down * down >= inside:
                 part = min(max(radius - np.hypot(across, down) + 0.5, 0.0), 1.0)
             picture[y, x] += part * (light - picture[y, x])
 
