@@ -14,9 +14,18 @@ from .._numba_private import step
 from ._render_kernel import bounds
 from .shapes import DISC, KIND, OBJECT, X, Y
 
-__all__ = ["hidden_parts"]
+__all__ = ["hidden_at", "hidden_parts"]
 
 _LINES = 64
+
+
+@njit(cache=True, nogil=True)
+def hidden_at(shapes, objects, width, height):  # type: ignore[no-untyped-def]
+    """`hidden_parts` of each moment: of (k, n, columns) shapes and (k, m) objects, (k, m)."""
+    hidden = np.empty(objects.shape)
+    for moment in range(len(shapes)):
+        hidden[moment] = hidden_parts(shapes[moment], objects[moment], width, height)
+    return hidden
 
 
 @njit(cache=True, nogil=True)

@@ -87,6 +87,8 @@ def simulate(settings: Highway) -> Scene:
 
 
 class _Stage:
+    steady = False  # vehicles come and go
+
     def __init__(self, settings: Highway) -> None:
         random = np.random.default_rng(settings.seed)
         scale = settings.width / _WIDTH

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..events import Events, Recording
 from ..ranges import Range, check_ranges
-from ._occlusion_kernel import hidden_parts
+from ._occlusion_kernel import hidden_at
 from ._render_kernel import changes, draw, shift_texture
 from .pixel import PixelCamera, PixelModel
 from .scene import Scene
@@ -25,6 +25,7 @@ MARGIN_PX = 16  # of a background, on every side: limit of camera shake
 _MOVE_PX = 0.5  # maximum displacement between two frames
 _AIM = 0.9  # fraction of that to aim for, so that a step rarely has to be repeated
 _STEP_MAX_US = 5_000
+_AT_ONCE = 1_000  # samples of the truth
 
 STAGE_RANGES: dict[str, Range] = {
     "width": (64, 4096, "pixels of the sensor across"),
@@ -58,14 +59,21 @@ class StageSettings:
 
 
 class Stage(Protocol):
-    """Interface of a scene to be filmed. `background`: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity."""
+    """Interface of a scene to be filmed.
+
+    Attributes:
+        background: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity.
+        steady: whether it always has as many shapes and objects. `shapes` and `objects` then take (k,) times, too, and what they
+            return has another axis in front.
+    """
 
     background: NDArray[np.float64]
+    steady: bool
 
-    def shapes(self, t_us: float) -> NDArray[np.float64]:
+    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
         """The shapes in front of the background, the farthest first; see `shapes`."""
 
-    def objects(self, t_us: float) -> NDArray[np.void]:
+    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
         """Position, size and velocity of each object, of dtype `TRUTH`, by `object_id`; the other fields are not set."""
 
     def shift(self, t_us: float) -> tuple[float, float]:
@@ -97,14 +105,19 @@ def film(stage: Stage, settings: StageSettings) -> Scene:
 
 def _samples(stage: Stage, times_us: Iterable[int], sensor: tuple[int, int]) -> NDArray[np.void]:
     """`Truth.samples` of a stage."""
-    moments = []
-    for t_us in times_us:
-        objects = stage.objects(t_us)
-        objects["t_us"] = t_us
+    times_us = np.fromiter(times_us, np.int64)
+    moments = [np.empty(0, TRUTH)]
+    for begin in range(0, len(times_us), _AT_ONCE if stage.steady else 1):
+        now_us = times_us[begin : begin + (_AT_ONCE if stage.steady else 1)]
+        if stage.steady:
+            objects, shapes = stage.objects(now_us), stage.shapes(now_us)
+        else:
+            objects, shapes = stage.objects(int(now_us[0]))[None], stage.shapes(int(now_us[0]))[None]
+        objects["t_us"] = now_us[:, None]
         ids = np.array(objects["object_id"], np.int64)  # contiguous, so Numba compiles the kernel only once
-        objects["occluded"] = hidden_parts(stage.shapes(t_us), ids, *sensor)
-        moments.append(objects.tobytes())
-    samples = np.frombuffer(bytearray().join(moments), TRUTH)
+        objects["occluded"] = hidden_at(shapes, ids, *sensor)
+        moments.append(objects.ravel())
+    samples = np.concatenate(moments)
     samples["visible"] = on_sensor(samples, sensor)
     return samples
 
