@@ -91,7 +91,7 @@ class _Stage:
         self._blade_tone = np.exp(random.uniform(-0.6, 0.3, settings.blades))
 
     def _motion(self, t_us: float | NDArray[np.int64]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """Positions and velocities along each axis, (..., count): straight motion since the last turn, reflected at the walls."""
+        """Positions and velocities along each axis, (..., count): straight since the last turn, reflected at the walls."""
         t_s = np.asarray(t_us) * 1e-6
         leg = np.minimum(np.searchsorted(self._turns_s, t_s, side="right") - 1, self._speeds.shape[1] - 1)
         since_s = (t_s - self._turns_s[leg])[..., None]

@@ -63,7 +63,7 @@ class Stage(Protocol):
 
     Attributes:
         background: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity.
-        steady: whether it always has as many shapes and objects. `shapes` and `objects` then take (k,) times, too, and what they
+        steady: whether it always has as many shapes and objects. `shapes` and `objects` then take (k,) times, too; what they
             return has another axis in front.
     """
 
