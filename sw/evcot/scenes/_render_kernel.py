@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from .._numba_private import step
-from .shapes import DISC, INTENSITY, KIND, OBJECT, X, Y
+from .shapes import DISC, INTENSITY, KIND, OBJECT, QUADRANGLE, X, Y
 
 __all__ = ["bounds", "changes", "draw", "shift_texture"]
 
@@ -48,20 +48,23 @@ def _pixels(left, top, right, bottom, width, height):  # type: ignore[no-untyped
 def changes(before, after, width, height):  # type: ignore[no-untyped-def]
     """The regions where shapes may have changed the picture, and the largest displacement.
 
-    Returns (n, 4) pixel rectangles (left, top, right, bottom, half open), one per object that was or is on the sensor, and the
+    Returns (n, 4) pixel rectangles (left, top, right, bottom, half open), of every object that was or is on the sensor, and the
     largest displacement, in pixels, of any side of an object's bounds, excluding objects that appear or vanish.
     """
     least = min(before[:, OBJECT].min() if len(before) else 0.0, after[:, OBJECT].min() if len(after) else 0.0)
     most = max(before[:, OBJECT].max() if len(before) else 0.0, after[:, OBJECT].max() if len(after) else 0.0)
     boxes = np.empty((2, int(most - least) + 1, 4))
     boxes[:, :, :2], boxes[:, :, 2:] = np.inf, -np.inf
+    alone = np.full((2, boxes.shape[1]), -1)  # the shape of each object; -2 if there are several
     for moment, shapes in enumerate((before, after)):
         for i in range(len(shapes)):
-            box = boxes[moment, int(shapes[i, OBJECT] - least)]
+            k = int(shapes[i, OBJECT] - least)
+            box, alone[moment, k] = boxes[moment, k], i if alone[moment, k] == -1 else -2
             left, top, right, bottom = bounds(shapes[i])
             box[0], box[1] = min(box[0], left), min(box[1], top)
             box[2], box[3] = max(box[2], right), max(box[3], bottom)
-    rectangles, n, moved = np.empty((boxes.shape[1], 4), np.int64), 0, 0.0
+    rectangles, n, moved = np.empty((boxes.shape[1] + height, 4), np.int64), 0, 0.0
+    edges = np.empty((2, 4, 3))
     for k in range(boxes.shape[1]):
         was, now = boxes[0, k], boxes[1, k]
         if was[0] <= was[2] and now[0] <= now[2]:
@@ -70,7 +73,24 @@ def changes(before, after, width, height):  # type: ignore[no-untyped-def]
         left, top, right, bottom = _pixels(
             min(was[0], now[0]), min(was[1], now[1]), max(was[2], now[2]), max(was[3], now[3]), width, height
         )
-        if left < right and top < bottom:
+        if not (left < right and top < bottom):
+            continue
+        if n + height + boxes.shape[1] > len(rectangles):
+            longer = np.empty((2 * (n + height + boxes.shape[1]), 4), np.int64)
+            longer[:n] = rectangles[:n]
+            rectangles = longer
+        i, j = alone[0, k], alone[1, k]
+        if i >= 0 and j >= 0 and before[i, KIND] == QUADRANGLE and after[j, KIND] == QUADRANGLE:
+            _edges(before[i], edges[0])
+            _edges(after[j], edges[1])
+            for y in range(top, bottom):
+                low_was, high_was, _, _ = _stretch(edges[0], y, left, right)
+                low_is, high_is, _, _ = _stretch(edges[1], y, left, right)
+                begin, past = int(min(low_was, low_is)), int(max(high_was, high_is))
+                if begin < past:
+                    rectangles[n, 0], rectangles[n, 1], rectangles[n, 2], rectangles[n, 3] = begin, y, past, y + 1
+                    n += 1
+        else:
             rectangles[n, 0], rectangles[n, 1], rectangles[n, 2], rectangles[n, 3] = left, top, right, bottom
             n += 1
     return rectangles[:n], moved
@@ -165,19 +185,7 @@ def _blend_quadrangle(shape, edges, picture, first_x, first_y, past_x, past_y): 
     middle, which it covers as a whole, are its light."""
     light = shape[INTENSITY]
     for y in range(first_y, past_y):
-        low, high = float(first_x), float(past_x)
-        whole_low, whole_high = low, high
-        for edge in range(4):
-            a, rest = edges[edge, 0], edges[edge, 1] * y + edges[edge, 2] + 0.5
-            if a > _MARGIN:
-                low, whole_low = max(low, -rest / a - 1.0), max(whole_low, (1.0 + _MARGIN - rest) / a)
-            elif a < -_MARGIN:
-                high, whole_high = min(high, -rest / a + 2.0), min(whole_high, (1.0 + _MARGIN - rest) / a)
-            else:  # the edge lies along the row
-                if rest < -1.0:
-                    high = low
-                if rest < 2.0 + past_x * _MARGIN:
-                    whole_high = whole_low - 1.0
+        low, high, whole_low, whole_high = _stretch(edges, y, first_x, past_x)
         begin, past = int(low), int(high)
         whole_begin, whole_past = max(begin, int(np.ceil(whole_low))), min(past, int(np.floor(whole_high)) + 1)
         if whole_begin < whole_past:
@@ -189,6 +197,26 @@ def _blend_quadrangle(shape, edges, picture, first_x, first_y, past_x, past_y): 
             _blend_pixel(light, edges, picture, x, y)
         for x in range(whole_past, past):
             _blend_pixel(light, edges, picture, x, y)
+
+
+@step
+def _stretch(edges, y, first_x, past_x):  # type: ignore[no-untyped-def]
+    """Of the pixels from `first_x` to `past_x` of a row: begin and end of those that a quadrangle may cover, low >= high if none;
+    the first and the last that it covers as a whole, low > high if none."""
+    low, high = float(first_x), float(past_x)
+    whole_low, whole_high = low, high
+    for edge in range(4):
+        a, rest = edges[edge, 0], edges[edge, 1] * y + edges[edge, 2] + 0.5
+        if a > _MARGIN:
+            low, whole_low = max(low, -rest / a - 1.0), max(whole_low, (1.0 + _MARGIN - rest) / a)
+        elif a < -_MARGIN:
+            high, whole_high = min(high, -rest / a + 2.0), min(whole_high, (1.0 + _MARGIN - rest) / a)
+        else:  # the edge lies along the row
+            if rest < -1.0 - past_x * _MARGIN:
+                high = low
+            if rest < 2.0 + past_x * _MARGIN:
+                whole_high = whole_low - 1.0
+    return low, high, whole_low, whole_high
 
 
 @step

@@ -110,7 +110,7 @@ class _Stage:
     def _glints(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
         light = np.exp(_GLINT_CONTRAST * (1 + np.sin(self._glint_turn * t_s + self._glint_phase)))
         numbers = -1 - np.arange(self._settings.glints)
-        return discs(numbers, self._glint_x, self._glint_y, _GLINT_PX, light)
+        return discs(numbers, np.broadcast_to(self._glint_x, light.shape), self._glint_y, _GLINT_PX, light)
 
     def _grass(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
         settings = self._settings

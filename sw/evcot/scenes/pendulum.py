@@ -85,16 +85,18 @@ class _Stage:
     def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
         settings, (pivot_x, pivot_y) = self._settings, self._pivot
         angle, _ = self._swing(t_us)
-        sine, cosine = np.sin(angle), np.cos(angle)
-        along_x, along_y = sine * settings.length_px, cosine * settings.length_px
-        side_x, side_y = cosine * (settings.rod_px / 2), -sine * (settings.rod_px / 2)
-        corners_x, corners_y = (
-            np.stack((side, side + along, along - side, -side), axis=-1)
-            for side, along in ((side_x, along_x), (side_y, along_y))
-        )
-        rod = quadrangles(ROD, corners_x + pivot_x, corners_y + pivot_y, self._intensity)
-        bob = discs(BOB, pivot_x + along_x, pivot_y + along_y, settings.bob_px, self._intensity)
-        return np.concatenate((rod, bob), axis=-2)
+        sine, cosine, half = np.sin(angle), np.cos(angle), settings.rod_px / 2
+        corners = np.empty((2, *angle.shape, 4))
+        ends = []
+        for axis, pivot, side, along in (
+            (0, pivot_x, cosine * half, sine * settings.length_px),
+            (1, pivot_y, -sine * half, cosine * settings.length_px),
+        ):
+            corners[axis, ..., 0], corners[axis, ..., 1] = side + pivot, side + along + pivot
+            corners[axis, ..., 2], corners[axis, ..., 3] = along - side + pivot, -side + pivot
+            ends.append(pivot + along)
+        rod = quadrangles(ROD, *corners, self._intensity)
+        return np.concatenate((rod, discs(BOB, *ends, settings.bob_px, self._intensity)), axis=-2)
 
     def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
         settings, (pivot_x, pivot_y) = self._settings, self._pivot

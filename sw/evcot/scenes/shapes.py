@@ -20,12 +20,10 @@ DISC, QUADRANGLE = 0.0, 1.0
 
 
 def discs(objects: ArrayLike, x: ArrayLike, y: ArrayLike, radius_px: ArrayLike, intensity: ArrayLike) -> NDArray[np.float64]:
-    """One disc per entry, (..., n); scalars are broadcast."""
-    columns = (objects, x, y, radius_px, intensity)
-    shapes = np.zeros((*np.broadcast_shapes((1,), *map(np.shape, columns)), _COLUMNS))
-    shapes[..., KIND] = DISC
-    for column, part in zip((OBJECT, X, Y, X + 1, INTENSITY), columns, strict=True):
-        shapes[..., column] = part
+    """One disc per entry of `x`, (..., n); the others are broadcast to that."""
+    shapes = np.zeros((*(np.shape(x) or (1,)), _COLUMNS))
+    shapes[..., KIND], shapes[..., OBJECT], shapes[..., INTENSITY] = DISC, objects, intensity
+    shapes[..., X], shapes[..., Y], shapes[..., X + 1] = x, y, radius_px
     return shapes
 
 
