@@ -201,8 +201,8 @@ def _blend_quadrangle(shape, edges, picture, first_x, first_y, past_x, past_y): 
 
 @step
 def _stretch(edges, y, first_x, past_x):  # type: ignore[no-untyped-def]
-    """Of the pixels from `first_x` to `past_x` of a row: begin and end of those that a quadrangle may cover, low >= high if none;
-    the first and the last that it covers as a whole, low > high if none."""
+    """Of the pixels from `first_x` to `past_x` of a row: begin and end of those that a quadrangle may cover; the first and the
+    last that it covers as a whole. Without such pixels the end is not behind the begin, the last before the first."""
     low, high = float(first_x), float(past_x)
     whole_low, whole_high = low, high
     for edge in range(4):
