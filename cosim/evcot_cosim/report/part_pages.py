@@ -145,7 +145,8 @@ def write_parts(
 
 def _compile_kernels(sensor: Sensor) -> None:
     """Make Numba compile what looks at a part and draws its page."""
-    events = Events(*(np.zeros(1, kind) for kind in (np.int64, np.uint16, np.uint16, np.uint8)))
+    nowhere = np.zeros(1, np.uint16)
+    events = Events(np.zeros(1, np.int64), nowhere, nowhere, np.zeros(1, np.uint8))
     log = TrackLog("", np.empty(0, TRACK), np.full(1, -1, np.int16))
     quality_of(log, events, isolation(sensor)(events))
     collect(Material(Recording(events, *sensor, ""), {}, (Side("hardware", log),)), 1)

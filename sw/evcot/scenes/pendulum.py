@@ -95,8 +95,8 @@ class _Stage:
             corners[axis, ..., 0], corners[axis, ..., 1] = side + pivot, side + along + pivot
             corners[axis, ..., 2], corners[axis, ..., 3] = along - side + pivot, -side + pivot
             ends.append(pivot + along)
-        rod = quadrangles(ROD, *corners, self._intensity)
-        return np.concatenate((rod, discs(BOB, *ends, settings.bob_px, self._intensity)), axis=-2)
+        rod = quadrangles(ROD, corners[0], corners[1], self._intensity)
+        return np.concatenate((rod, discs(BOB, ends[0], ends[1], settings.bob_px, self._intensity)), axis=-2)
 
     def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
         settings, (pivot_x, pivot_y) = self._settings, self._pivot

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,21 +63,28 @@ class Stage(Protocol):
 
     Attributes:
         background: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity.
-        steady: whether it always has as many shapes and objects. `shapes` and `objects` then take (k,) times, too; what they
-            return has another axis in front.
+        steady: whether it always has as many shapes and objects, and is a `SteadyStage`.
     """
 
     background: NDArray[np.float64]
     steady: bool
 
-    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
+    def shapes(self, t_us: float) -> NDArray[np.float64]:
         """The shapes in front of the background, the farthest first; see `shapes`."""
 
-    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
+    def objects(self, t_us: float) -> NDArray[np.void]:
         """Position, size and velocity of each object, of dtype `TRUTH`, by `object_id`; the other fields are not set."""
 
     def shift(self, t_us: float) -> tuple[float, float]:
         """Displacement of the background, pixels right and down, at most MARGIN_PX - 1."""
+
+
+class SteadyStage(Stage, Protocol):
+    """`shapes` and `objects` take (k,) times, too; what they return has another axis in front."""
+
+    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]: ...
+
+    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]: ...
 
 
 def film(stage: Stage, settings: StageSettings) -> Scene:
@@ -105,12 +112,13 @@ def film(stage: Stage, settings: StageSettings) -> Scene:
 
 def _samples(stage: Stage, times_us: Iterable[int], sensor: tuple[int, int]) -> NDArray[np.void]:
     """`Truth.samples` of a stage."""
-    times_us = np.fromiter(times_us, np.int64)
+    every_us = np.fromiter(times_us, np.int64)
     moments = [np.empty(0, TRUTH)]
-    for begin in range(0, len(times_us), _AT_ONCE if stage.steady else 1):
-        now_us = times_us[begin : begin + (_AT_ONCE if stage.steady else 1)]
+    for begin in range(0, len(every_us), _AT_ONCE if stage.steady else 1):
+        now_us = every_us[begin : begin + (_AT_ONCE if stage.steady else 1)]
         if stage.steady:
-            objects, shapes = stage.objects(now_us), stage.shapes(now_us)
+            steady = cast(SteadyStage, stage)
+            objects, shapes = steady.objects(now_us), steady.shapes(now_us)
         else:
             objects, shapes = stage.objects(int(now_us[0]))[None], stage.shapes(int(now_us[0]))[None]
         objects["t_us"] = now_us[:, None]
