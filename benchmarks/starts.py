@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start-up time until the first event is simulated, with an empty and with a filled model cache."""
+"""Start-up time until the first event is simulated, with an empty and with a filled model cache; CPU time of short commands."""
 
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,13 @@ from measure import Goal, Result
 __all__ = ["measure"]
 
 _GOAL_S = 3.0
+# Commands that do little, and the CPU time that they may take.
+_SHORT = {
+    "absent": (["info", "absent.raw"], 0.3),
+    "info": (["info", "boxes.raw"], 0.5),
+    "presets": (["presets"], 0.5),
+    "evaluate": (["evaluate", "log.npz", "--truth", "boxes.truth.csv"], 1.5),
+}
 
 _BUILD = """
 import streams
@@ -40,7 +48,7 @@ main(["cosim", "--quiet"])
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """build_s, second_start_s."""
+    """build_s, second_start_s, start_NAME_s of some short commands."""
     with tempfile.TemporaryDirectory() as empty:
         yield Result("build_s", float(_child(_BUILD, EVCOT_CACHE=empty)), "s", how="8-slot array into an empty cache")
     _first_event_s()  # builds
@@ -49,6 +57,27 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
         "second_start_s", seconds, "s", _GOAL_S, "goal", goal=Goal(1, at_most=True),
         how="from launching `evcot cosim` to the end of the first simulated event, model built before",
     )  # fmt: skip
+    with tempfile.TemporaryDirectory() as folder:
+        _evcot_s(folder, "simulate", "boxes", "-o", "boxes.raw", "--duration", "2.5")
+        _evcot_s(folder, "track", "boxes.raw", "-o", "log.npz")
+        for name, (words, most_s) in _SHORT.items():
+            _evcot_s(folder, *words)  # compiles
+            yield Result(
+                f"start_{name}_s", median(_evcot_s(folder, *words) for _ in range(3 if quick else 7)), "s", most_s, "goal",
+                goal=Goal(1, at_most=True), how=f"CPU time of `evcot {' '.join(words)}`; 0.5 M events",
+            )  # fmt: skip
+
+
+def _evcot_s(folder: str, *words: str) -> float:
+    """CPU time of a command."""
+
+    def spent_s() -> float:
+        spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return spent.ru_utime + spent.ru_stime
+
+    before_s = spent_s()
+    subprocess.run([sys.executable, "-m", "evcot_cosim", *words], cwd=folder, capture_output=True, check=False)
+    return spent_s() - before_s
 
 
 def _first_event_s() -> float:

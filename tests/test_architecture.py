@@ -18,8 +18,8 @@ ROOTS = {"evcot": REPOSITORY / "sw", "evcot_cosim": REPOSITORY / "cosim"}
 ROOMS = {
     "evcot": (
         "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "outputs", "toml_file",
-        "templating", "structured", "events", "digest", "ticks", "unfinished", "compiling", "recordings", "filters",
-        "tracks", "hardware", "trackers", "scenes", "metrics", "api", "pictures", "anomalies",
+        "templating", "structured", "_sound_kernel", "events", "digest", "ticks", "unfinished", "compiling", "recordings",
+        "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "api", "pictures", "anomalies",
     ),
     "evcot_cosim": (
         "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages",

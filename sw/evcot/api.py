@@ -11,13 +11,11 @@ from typing import Any
 from .errors import ConfigError
 from .events import Events, Recording
 from .filters.config import FilterConfig
-from .filters.run import apply
 from .metrics.of_scene import ground_truth_of
 from .metrics.rule import Rule, load_rule
 from .metrics.scores import Scores
 from .metrics.scores import evaluate as score
 from .metrics.truth import GroundTruth, read_truth, rule_for
-from .recordings.files import open_recording
 from .recordings.formats.source import Sensor
 from .scenes.registry import simulate_scene
 from .scenes.scene import Scene
@@ -48,6 +46,8 @@ def filter_recording(recording: Recording, config: FilterConfig | None = None, *
     Raises:
         ConfigError: no such field, a value outside its range, or a hot pixel outside the sensor.
     """
+    from .filters.run import apply  # with Numba, which scoring does not need
+
     return apply(recording, changed("filters", config or FilterConfig(), settings))[0]
 
 
@@ -172,6 +172,8 @@ def _blocks(source: Recording | Path | str) -> Iterator[tuple[Iterator[Events], 
     if isinstance(source, Recording):
         yield iter([source.events]), (source.width, source.height)
         return
+    from .recordings.files import open_recording  # with Numba
+
     with open_recording(source) as file:
         yield file.blocks(required=True), file.sensor
 

@@ -8,7 +8,9 @@ before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
+import errno
 import itertools
+import os
 import re
 import sys
 import textwrap
@@ -18,7 +20,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, NoReturn
 
-from evcot.errors import meant
+from evcot.errors import RecordingError, meant
 from evcot.outputs import Claims, suffix_of
 
 __all__ = [
@@ -58,6 +60,7 @@ def output_folder(text: str) -> Path:
     return Path(text)
 
 
+_FILE_NAME = re.compile(r"[^:]+\.[A-Za-z]\w*")  # what names a file, and no scene, rule, camera or address
 INPUT_TYPES = (input_path, input_or_name)
 OUTPUT_TYPES = (output_file, output_folder)
 
@@ -239,9 +242,12 @@ def claims_of(options: argparse.Namespace) -> Claims:
 
     Raises:
         OutputError: one that is to be written may not be.
+        RecordingError: one that is to be read does not exist. It is reported before the command's modules are imported.
     """
     claims = Claims()
-    for _, path in _given(options, INPUT_TYPES):
+    for action, path in _given(options, INPUT_TYPES):
+        if (action.type is input_path or _FILE_NAME.fullmatch(str(path))) and str(path) != "-" and not path.exists():
+            raise RecordingError(f"{path}: cannot be read: {os.strerror(errno.ENOENT)}")
         claims.read(path)
     for action, path in _given(options, OUTPUT_TYPES):
         if action.type is output_file:

@@ -13,16 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from evcot.compiling import compiled_aside
 from evcot.events import Events, Recording
 from evcot.metrics.quality import Quality, QualityCounter, isolation, quality_of
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.compare import Comparison
-from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.log_parts import LogParts
 from evcot.tracks.timeline import alive
 
 from ..lockstep.verdict import verdict_by
 from ..memory import give_back, keep_little
+from .collect import collect
 from .material import Material, Side
 from .page import write_report
 
@@ -99,6 +101,7 @@ def write_parts(
         OutputError: a file cannot be written.
     """
     keep_little(_LARGE_BYTES)
+    compiled_aside(_compile_kernels, recording.sensor)
     cut = {name: LogParts(log.engine, log.runs) for name, log in logs.items()}
     quality = {name: QualityCounter(recording.begin_us, recording.end_us) for name in logs}
     times = comparison or Comparison(recording.begin_us, recording.end_us)
@@ -138,6 +141,15 @@ def write_parts(
                 progress(done)
         parts = [part | {"grade": grade.result()} for part, grade in zip(parts, grades, strict=True)]
     return Paged(parts, {name: counter.quality() for name, counter in quality.items()})
+
+
+def _compile_kernels(sensor: Sensor) -> None:
+    """Make Numba compile what looks at a part and draws its page."""
+    nowhere = np.zeros(1, np.uint16)
+    events = Events(np.zeros(1, np.int64), nowhere, nowhere, np.zeros(1, np.uint8))
+    log = TrackLog("", np.empty(0, TRACK), np.full(1, -1, np.int16))
+    quality_of(log, events, isolation(sensor)(events))
+    collect(Material(Recording(events, *sensor, ""), {}, (Side("hardware", log),)), 1)
 
 
 def _write_page(

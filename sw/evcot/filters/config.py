@@ -10,8 +10,7 @@ from typing import Any, Literal
 
 from ..errors import ConfigError
 from ..ranges import Range, check_ranges
-from .contract import CELL_PX, CELL_STAMP_W, FILTER_REGISTERS, Filter, FilterShape
-from .decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE
+from .contract import CELL_PX, CELL_STAMP_W, CLOCK_FRAC, FILTER_REGISTERS, UNITS_PER_HALF_LIFE, Filter, FilterShape
 from .registers import FilterRegisters
 
 __all__ = ["FILTER_RANGES", "FilterConfig"]

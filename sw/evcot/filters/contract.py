@@ -15,8 +15,10 @@ from ..ranges import check_integer
 __all__ = [
     "CELL_PX",
     "CELL_STAMP_W",
+    "CLOCK_FRAC",
     "FILTER_REGISTERS",
     "FILTER_SHAPE_RANGES",
+    "UNITS_PER_HALF_LIFE",
     "Filter",
     "FilterRegister",
     "FilterShape",
@@ -42,6 +44,10 @@ CELL_STAMP_W: dict[int, int] = {1: 9, 2: 7, 4: 5}
 
 CELL_PX = (0, *CELL_STAMP_W)
 """Legal values of `FilterShape.cell_px`."""
+
+# The clock of the decay filter counts units; it has fractional bits.
+UNITS_PER_HALF_LIFE = 32
+CLOCK_FRAC = 24
 
 # Shape of a filter chain: field -> (lowest, highest, meaning). The RTL checks the same ranges at elaboration.
 FILTER_SHAPE_RANGES: dict[str, tuple[int, int, str]] = {

@@ -14,13 +14,11 @@ from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .cells import CellMemory, cell_of
-from .contract import FilterShape
+from .contract import CLOCK_FRAC, UNITS_PER_HALF_LIFE, FilterShape
 from .registers import FilterRegisters
 
-__all__ = ["CLOCK_FRAC", "UNITS_PER_HALF_LIFE", "DecayFilter", "weights"]
+__all__ = ["DecayFilter", "weights"]
 
-UNITS_PER_HALF_LIFE = 32
-CLOCK_FRAC = 24  # fractional bits of the clock that counts units
 _AGES = 9 * UNITS_PER_HALF_LIFE + 1  # 256 has 9 bits: from the last of these ages on the weight is 0
 
 

@@ -20,8 +20,15 @@ from typing import Any
 import numpy as np
 
 from ..errors import ConfigError, EvcotError
-from ..filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, Filter, FilterRegister
-from ..filters.decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE, weights
+from ..filters.contract import (
+    CLOCK_FRAC,
+    FILTER_REGISTERS,
+    FILTER_SHAPE_RANGES,
+    UNITS_PER_HALF_LIFE,
+    Filter,
+    FilterRegister,
+)
+from ..filters.decay import weights
 from ..outputs import written_aside
 from ..templating import templates
 from ..tracks.log import Kind

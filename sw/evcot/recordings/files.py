@@ -11,8 +11,8 @@ from types import TracebackType
 from typing import Literal
 
 import numpy as np
-from numba import njit
 
+from .._numba_private import njit
 from ..errors import ConfigError, DamagedRecordingError, RecordingError, RecordingWarning
 from ..events import Events, Recording, check_sensor, find_fault
 from ..outputs import note_input, reading, written_aside

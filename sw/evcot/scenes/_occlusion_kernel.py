@@ -14,9 +14,18 @@ from .._numba_private import step
 from ._render_kernel import bounds
 from .shapes import DISC, KIND, OBJECT, X, Y
 
-__all__ = ["hidden_parts"]
+__all__ = ["hidden_at", "hidden_parts"]
 
 _LINES = 64
+
+
+@njit(cache=True, nogil=True)
+def hidden_at(shapes, objects, width, height):  # type: ignore[no-untyped-def]
+    """`hidden_parts` of each moment: of (k, n, columns) shapes and (k, m) objects, (k, m)."""
+    hidden = np.empty(objects.shape)
+    for moment in range(len(shapes)):
+        hidden[moment] = hidden_parts(shapes[moment], objects[moment], width, height)
+    return hidden
 
 
 @njit(cache=True, nogil=True)
@@ -54,14 +63,15 @@ def _hidden_part(shapes, first, past, width, height):  # type: ignore[no-untyped
     area, seen = 0.0, 0.0
     for line in range(_LINES):
         y = top + (line + 0.5) / _LINES * (bottom - top)
+        mine, others = 0, 0
         for i in range(first, past):
-            _stretch(shapes[i], y, own[i - first])
-        for i in range(n):
-            _stretch(shapes[nearer[i]], y, covers[i])
-        area += _covered(own, -np.inf, np.inf)
+            mine += _stretch(shapes[i], y, own[mine])
+        area += _covered(own[:mine], -np.inf, np.inf)
         if -0.5 <= y <= height - 0.5:
-            all_on_line[: len(own)], all_on_line[len(own) :] = own, covers
-            seen += _covered(all_on_line, -0.5, width - 0.5) - _covered(covers, -0.5, width - 0.5)
+            for i in range(n):
+                others += _stretch(shapes[nearer[i]], y, covers[others])
+            all_on_line[:mine], all_on_line[mine : mine + others] = own[:mine], covers[:others]
+            seen += _covered(all_on_line[: mine + others], -0.5, width - 0.5) - _covered(covers[:others], -0.5, width - 0.5)
     return 1.0 - seen / area if area > 0 else 1.0
 
 
@@ -86,7 +96,7 @@ def _covered(stretches, low, high):  # type: ignore[no-untyped-def]
 
 @step
 def _stretch(shape, y, stretch):  # type: ignore[no-untyped-def]
-    """Write the interval in which a shape covers the line at y to `stretch`; empty (both ends equal) if it does not."""
+    """Write the interval in which a shape covers the line at y to `stretch`, and return True, if it does."""
     low, high = np.inf, -np.inf
     if shape[KIND] == DISC:
         across = shape[X + 1] ** 2 - (y - shape[Y]) ** 2
@@ -101,5 +111,5 @@ def _stretch(shape, y, stretch):  # type: ignore[no-untyped-def]
                 low, high = min(low, x), max(high, x)
     if low < high:
         stretch[0], stretch[1] = low, high
-    else:
-        stretch[0], stretch[1] = 0.0, 0.0
+        return True
+    return False

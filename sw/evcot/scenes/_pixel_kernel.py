@@ -15,12 +15,22 @@ from numba import njit
 from .._numba_private import step
 from ._order import KEY_T_SHIFT
 
-__all__ = ["LOG_INTENSITY_MAX", "NEVER", "pixel_events"]
+__all__ = ["LOG_INTENSITY_MAX", "NEVER", "are_within", "pixel_events"]
 
 NEVER = -np.inf  # in `ready`: the pixel is not in its refractory time
 LOG_INTENSITY_MAX = 100.0
 
 _ROUNDING = 1.0 - 1e-9  # tolerance for the rounding of a sum of steps towards a threshold
+
+
+@njit(cache=True, nogil=True)
+def are_within(rectangles, width, height):  # type: ignore[no-untyped-def]
+    """Whether rectangles, as of `pixel_events`, lie within the sensor."""
+    for i in range(len(rectangles)):
+        left, top, right, bottom = rectangles[i]
+        if left < 0 or top < 0 or right > width or bottom > height:
+            return False
+    return True
 
 
 @njit(cache=True, nogil=True)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
@@ -60,10 +61,13 @@ def simulate(settings: Discs) -> Scene:
 
 
 class _Stage:
+    steady = True
+
     def __init__(self, settings: Discs) -> None:
         random = np.random.default_rng(settings.seed)
         count, radius = settings.count, settings.radius_px
         self._radius = radius
+        self._numbers = np.arange(count)
         self.background = texture(settings, random, 3.0, 0.05)
         brighter = random.permutation(count) % 2 == 0
         self._intensity = np.exp(np.where(brighter, 1.0, -1.0) * settings.contrast)
@@ -77,20 +81,22 @@ class _Stage:
             self._start[1] = (np.arange(count) + 0.5) * settings.height / count - radius
         self._speed = speed * np.stack((np.cos(angle), np.where(angle == np.pi, 0.0, np.sin(angle))))
 
-    def _motion(self, t_us: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Centres and velocities, (2, count): straight motion, reflected at the walls."""
-        way = (self._start + self._speed * (t_us * 1e-6)) % (2 * self._room)
-        back = way > self._room
-        return self._low + np.where(back, 2 * self._room - way, way), np.where(back, -self._speed, self._speed)
+    def _motion(self, t_us: float | NDArray[np.int64]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Centres and velocities along each axis, (..., count): straight motion, reflected at the walls."""
+        t_s = np.asarray(t_us)[..., None] * 1e-6
+        for start, speed, low, room in zip(self._start, self._speed, self._low, self._room, strict=True):
+            way = (start + speed * t_s) % (2 * room)
+            back = way > room
+            yield low + np.where(back, 2 * room - way, way), np.where(back, -speed, speed)
 
-    def shapes(self, t_us: float) -> NDArray[np.float64]:
-        (x, y), _ = self._motion(t_us)
-        return discs(np.arange(len(x)), x, y, self._radius, self._intensity)
+    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
+        (x, _), (y, _) = self._motion(t_us)
+        return discs(self._numbers, x, y, self._radius, self._intensity)
 
-    def objects(self, t_us: float) -> NDArray[np.void]:
-        (x, y), (vx, vy) = self._motion(t_us)
-        objects = np.zeros(len(x), TRUTH)
-        objects["object_id"] = np.arange(len(x))
+    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
+        (x, vx), (y, vy) = self._motion(t_us)
+        objects = np.zeros(x.shape, TRUTH)
+        objects["object_id"] = self._numbers
         objects["x"], objects["y"], objects["vx"], objects["vy"] = x, y, vx, vy
         objects["width"] = objects["height"] = 2 * self._radius
         return objects

@@ -87,6 +87,8 @@ def simulate(settings: Highway) -> Scene:
 
 
 class _Stage:
+    steady = False  # vehicles come and go
+
     def __init__(self, settings: Highway) -> None:
         random = np.random.default_rng(settings.seed)
         scale = settings.width / _WIDTH
@@ -115,6 +117,7 @@ class _Stage:
         self._intensity = np.exp(log_intensity)
         size_m = np.stack((vehicles.width_m, vehicles.height_m, vehicles.length_m), axis=1)
         self._corners_m = parts * size_m[:, None, None, :]
+        self._kept: tuple[float, tuple[NDArray[Any], ...]] | None = None
 
     def shapes(self, t_us: float) -> NDArray[np.float64]:
         seen, x, y, _, _ = self._project(t_us)
@@ -145,6 +148,12 @@ class _Stage:
         return tuple(labels)
 
     def _project(self, t_us: float) -> tuple[NDArray[Any], ...]:
+        """`_projected`, kept for the shapes and objects of the same time."""
+        if self._kept is None or self._kept[0] != t_us:
+            self._kept = t_us, self._projected(t_us)
+        return self._kept[1]
+
+    def _projected(self, t_us: float) -> tuple[NDArray[Any], ...]:
         """The vehicles in the picture, the farthest first; positions and speeds of their corners in it, (n, FACES, 4) each."""
         now = self._traffic.at(t_us * 1e-6)
         near_m = self._near_m * (1 - self._traffic.height_m / self._height_m) - self._traffic.length_m

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -57,6 +58,8 @@ def simulate(settings: Insects) -> Scene:
 
 
 class _Stage:
+    steady = True
+
     def __init__(self, settings: Insects) -> None:
         random = np.random.default_rng(settings.seed)
         self._settings = settings
@@ -87,38 +90,41 @@ class _Stage:
         self._wave_phase = random.uniform(0, 2 * np.pi, settings.blades)
         self._blade_tone = np.exp(random.uniform(-0.6, 0.3, settings.blades))
 
-    def _motion(self, t_us: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Positions and velocities, (2, count): straight motion since the last turn, reflected at the walls."""
-        t_s = t_us * 1e-6
-        leg = min(int(np.searchsorted(self._turns_s, t_s, side="right")) - 1, self._speeds.shape[1] - 1)
-        speed = self._speeds[:, leg]
-        way = (self._ways[:, leg] + speed * (t_s - self._turns_s[leg])) % (2 * self._room)
-        back = way > self._room
-        return np.where(back, 2 * self._room - way, way) - 0.5, np.where(back, -speed, speed)
+    def _motion(self, t_us: float | NDArray[np.int64]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Positions and velocities along each axis, (..., count): straight since the last turn, reflected at the walls."""
+        t_s = np.asarray(t_us) * 1e-6
+        leg = np.minimum(np.searchsorted(self._turns_s, t_s, side="right") - 1, self._speeds.shape[1] - 1)
+        since_s = (t_s - self._turns_s[leg])[..., None]
+        for speeds, ways, room in zip(self._speeds, self._ways, self._room, strict=True):
+            speed = speeds[leg]
+            way = (ways[leg] + speed * since_s) % (2 * room)
+            back = way > room
+            yield np.where(back, 2 * room - way, way) - 0.5, np.where(back, -speed, speed)
 
-    def shapes(self, t_us: float) -> NDArray[np.float64]:
-        settings, t_s = self._settings, t_us * 1e-6
-        (x, y), _ = self._motion(t_us)
+    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
+        settings, t_s = self._settings, np.asarray(t_us)[..., None] * 1e-6
+        (x, _), (y, _) = self._motion(t_us)
         insects = discs(np.arange(settings.count), x, y, settings.radius_px, np.exp(-settings.contrast))
-        return np.concatenate((self._glints(t_s), self._grass(t_s), insects))
+        return np.concatenate((self._glints(t_s), self._grass(t_s), insects), axis=-2)
 
-    def _glints(self, t_s: float) -> NDArray[np.float64]:
+    def _glints(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
         light = np.exp(_GLINT_CONTRAST * (1 + np.sin(self._glint_turn * t_s + self._glint_phase)))
         numbers = -1 - np.arange(self._settings.glints)
-        return discs(numbers, self._glint_x, self._glint_y, _GLINT_PX, light)
+        return discs(numbers, np.broadcast_to(self._glint_x, light.shape), self._glint_y, _GLINT_PX, light)
 
-    def _grass(self, t_s: float) -> NDArray[np.float64]:
+    def _grass(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
         settings = self._settings
         foot, ground = self._foot_x, np.full(settings.blades, settings.height + 1.0)
         tip = foot + self._lean_px + settings.wave_px * np.sin(self._wave_turn * t_s + self._wave_phase)
-        x = np.stack((foot - _BLADE_PX / 2, foot + _BLADE_PX / 2, tip + 0.5, tip - 0.5), axis=1)
+        x = np.empty((*tip.shape, 4))
+        x[..., 0], x[..., 1], x[..., 2], x[..., 3] = foot - _BLADE_PX / 2, foot + _BLADE_PX / 2, tip + 0.5, tip - 0.5
         y = np.stack((ground, ground, ground - self._blade_px, ground - self._blade_px), axis=1)
         return quadrangles(-1 - settings.glints - np.arange(settings.blades), x, y, self._blade_tone)
 
-    def objects(self, t_us: float) -> NDArray[np.void]:
-        (x, y), (vx, vy) = self._motion(t_us)
-        objects = np.zeros(len(x), TRUTH)
-        objects["object_id"] = np.arange(len(x))
+    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
+        (x, vx), (y, vy) = self._motion(t_us)
+        objects = np.zeros(x.shape, TRUTH)
+        objects["object_id"] = np.arange(self._settings.count)
         objects["x"], objects["y"], objects["vx"], objects["vy"] = x, y, vx, vy
         objects["width"] = objects["height"] = 2 * self._settings.radius_px
         return objects

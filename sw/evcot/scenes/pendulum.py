@@ -66,41 +66,51 @@ def simulate(settings: Pendulum) -> Scene:
 
 
 class _Stage:
+    steady = True
+
     def __init__(self, settings: Pendulum) -> None:
         self._settings = settings
         self._pivot = (settings.width - 1) / 2, -0.5
         self._intensity = float(np.exp(-settings.contrast))
         self.background = texture(settings, np.random.default_rng(settings.seed), 3.0, 0.05)
 
-    def _swing(self, t_us: float) -> tuple[float, float]:
-        """Angle and angular velocity, in radians and radians per second."""
-        settings, t_s = self._settings, t_us * 1e-6
+    def _swing(self, t_us: float | NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Angle and angular velocity, in radians and radians per second, (..., 1)."""
+        settings, t_s = self._settings, np.asarray(t_us)[..., None] * 1e-6
         turn = 2 * np.pi / settings.period_s
         size = np.radians(settings.angle_deg) * np.exp(-t_s / settings.damping_s)
         angle = size * np.cos(turn * t_s)
-        return float(angle), float(-angle / settings.damping_s - size * turn * np.sin(turn * t_s))
+        return angle, -angle / settings.damping_s - size * turn * np.sin(turn * t_s)
 
-    def shapes(self, t_us: float) -> NDArray[np.float64]:
+    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
         settings, (pivot_x, pivot_y) = self._settings, self._pivot
         angle, _ = self._swing(t_us)
-        along, half = np.array([np.sin(angle), np.cos(angle)]) * settings.length_px, settings.rod_px / 2
-        side = np.array([np.cos(angle), -np.sin(angle)]) * half
-        corners_x, corners_y = np.array([side, side + along, along - side, -side]).T
-        rod = quadrangles(ROD, corners_x[None] + pivot_x, corners_y[None] + pivot_y, self._intensity)
-        return np.concatenate((rod, discs(BOB, pivot_x + along[0], pivot_y + along[1], settings.bob_px, self._intensity)))
+        sine, cosine, half = np.sin(angle), np.cos(angle), settings.rod_px / 2
+        corners = np.empty((2, *angle.shape, 4))
+        ends = []
+        for axis, pivot, side, along in (
+            (0, pivot_x, cosine * half, sine * settings.length_px),
+            (1, pivot_y, -sine * half, cosine * settings.length_px),
+        ):
+            corners[axis, ..., 0], corners[axis, ..., 1] = side + pivot, side + along + pivot
+            corners[axis, ..., 2], corners[axis, ..., 3] = along - side + pivot, -side + pivot
+            ends.append(pivot + along)
+        rod = quadrangles(ROD, corners[0], corners[1], self._intensity)
+        return np.concatenate((rod, discs(BOB, ends[0], ends[1], settings.bob_px, self._intensity)), axis=-2)
 
-    def objects(self, t_us: float) -> NDArray[np.void]:
+    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
         settings, (pivot_x, pivot_y) = self._settings, self._pivot
-        angle, speed = self._swing(t_us)
+        angle, speed = (part[..., 0] for part in self._swing(t_us))
         sine, cosine, length = np.sin(angle), np.cos(angle), settings.length_px
-        objects = np.zeros(2, TRUTH)
+        objects = np.zeros((*angle.shape, 2), TRUTH)
         for number, part in ((BOB, 1.0), (ROD, 0.5)):
-            mine = objects[number]
+            mine = objects[..., number]
             mine["object_id"] = number
             mine["x"], mine["y"] = pivot_x + part * length * sine, pivot_y + part * length * cosine
             mine["vx"], mine["vy"] = part * length * cosine * speed, -part * length * sine * speed
-        objects["width"] = 2 * settings.bob_px, length * abs(sine) + settings.rod_px * cosine
-        objects["height"] = 2 * settings.bob_px, length * cosine + settings.rod_px * abs(sine)
+        objects["width"] = objects["height"] = 2 * settings.bob_px
+        objects["width"][..., ROD] = length * abs(sine) + settings.rod_px * cosine
+        objects["height"][..., ROD] = length * cosine + settings.rod_px * abs(sine)
         return objects
 
     def shift(self, _t_us: float) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from ..errors import ConfigError
 from ..events import Events, check_sensor
 from ..ranges import Range, check_ranges
 from ._order import events_of
-from ._pixel_kernel import LOG_INTENSITY_MAX, NEVER, pixel_events
+from ._pixel_kernel import LOG_INTENSITY_MAX, NEVER, are_within, pixel_events
 from ._spontaneous import Spontaneous
 
 __all__ = ["MODEL_RANGES", "PixelCamera", "PixelModel"]
@@ -106,7 +106,7 @@ class PixelCamera:
             raise ConfigError(f"frame: {frame.dtype} {frame.shape}: must be float64 {self._shape}")
         if changed is None:
             changed = self._everywhere
-        elif (changed[:, :2] < 0).any() or (changed[:, 2:] > self._everywhere[0, 2:]).any():
+        elif not are_within(changed, self._shape[1], self._shape[0]):
             raise ConfigError(f"changed: must lie within the sensor's {self._shape[1]}x{self._shape[0]} pixels")
         if self._t_us is None:
             self._begin(frame, t_us)

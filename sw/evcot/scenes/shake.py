@@ -8,7 +8,7 @@ the truth.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,8 @@ def simulate(settings: Shake) -> Scene:
 
 
 class _Stage:
+    steady = True
+
     def __init__(self, settings: Shake) -> None:
         random = np.random.default_rng(settings.seed)
         self._settings = settings
@@ -81,27 +83,34 @@ class _Stage:
         self._intensity = np.exp(settings.contrast * np.where(random.permutation(settings.count) % 2 == 0, 1.0, -1.0))
 
     def shift(self, t_us: float) -> tuple[float, float]:
-        x, y = self._size_px * np.sin(self._turn * (t_us * 1e-6) + self._phase).sum(axis=1)
-        return float(x), float(y)
+        x, y = self._shift(np.asarray(t_us)).tolist()
+        return x, y
 
-    def _boxes(self, t_us: float) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    def _shift(self, t_us: NDArray[Any]) -> NDArray[np.float64]:
+        """`shift` at times of any shape, (..., 2)."""
+        return np.asarray(self._size_px * np.sin(self._turn * (t_us[..., None, None] * 1e-6) + self._phase).sum(axis=-1))
+
+    def _boxes(self, t_us: float | NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
         """Numbers and centres: a box has left once it has gone by its own side and the sensor's width."""
-        settings = self._settings
-        right, down = self.shift(t_us)
-        left, x = np.divmod(self._start + self._speed * (t_us * 1e-6), settings.width + settings.side_px)
+        settings, times_us = self._settings, np.asarray(t_us)
+        shift = self._shift(times_us)
+        way = self._start + self._speed * (times_us[..., None] * 1e-6)
+        left, x = np.divmod(way, settings.width + settings.side_px)
         numbers = np.arange(settings.count) + settings.count * abs(left).astype(np.int64)
-        return numbers, x - settings.side_px / 2 - 0.5 + right, self._y + down
+        return numbers, x - settings.side_px / 2 - 0.5 + shift[..., :1], self._y + shift[..., 1:]
 
-    def shapes(self, t_us: float) -> NDArray[np.float64]:
+    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
         numbers, x, y = self._boxes(t_us)
         half = self._settings.side_px / 2
         corners_x, corners_y = np.array([-half, half, half, -half]), np.array([-half, -half, half, half])
-        return quadrangles(numbers, x[:, None] + corners_x, y[:, None] + corners_y, self._intensity)
+        return quadrangles(numbers, x[..., None] + corners_x, y[..., None] + corners_y, self._intensity)
 
-    def objects(self, t_us: float) -> NDArray[np.void]:
-        vx, vy = self._size_px * (self._turn * np.cos(self._turn * (t_us * 1e-6) + self._phase)).sum(axis=1)
-        objects = np.zeros(self._settings.count, TRUTH)
-        objects["object_id"], objects["x"], objects["y"] = self._boxes(t_us)
-        objects["vx"], objects["vy"] = self._speed + vx, vy
+    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
+        t_s = np.asarray(t_us)[..., None, None] * 1e-6
+        speed = self._size_px * (self._turn * np.cos(self._turn * t_s + self._phase)).sum(axis=-1)
+        numbers, x, y = self._boxes(t_us)
+        objects = np.zeros(numbers.shape, TRUTH)
+        objects["object_id"], objects["x"], objects["y"] = numbers, x, y
+        objects["vx"], objects["vy"] = self._speed + speed[..., :1], speed[..., 1:]
         objects["width"] = objects["height"] = self._settings.side_px
-        return np.sort(objects, order="object_id")
+        return np.take_along_axis(objects, np.argsort(numbers, axis=-1), axis=-1)

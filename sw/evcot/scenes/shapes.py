@@ -20,20 +20,18 @@ DISC, QUADRANGLE = 0.0, 1.0
 
 
 def discs(objects: ArrayLike, x: ArrayLike, y: ArrayLike, radius_px: ArrayLike, intensity: ArrayLike) -> NDArray[np.float64]:
-    """One disc per entry; scalars are broadcast."""
-    columns = np.broadcast_arrays(*(np.atleast_1d(part) for part in (objects, x, y, radius_px, intensity)))
-    shapes = np.zeros((len(columns[0]), _COLUMNS))
-    shapes[:, KIND] = DISC
-    for column, part in zip((OBJECT, X, Y, X + 1, INTENSITY), columns, strict=True):
-        shapes[:, column] = part
+    """One disc per entry of `x`, (..., n); the others are broadcast to that."""
+    shapes = np.zeros((*(np.shape(x) or (1,)), _COLUMNS))
+    shapes[..., KIND], shapes[..., OBJECT], shapes[..., INTENSITY] = DISC, objects, intensity
+    shapes[..., X], shapes[..., Y], shapes[..., X + 1] = x, y, radius_px
     return shapes
 
 
 def quadrangles(
     objects: ArrayLike, x: NDArray[np.float64], y: NDArray[np.float64], intensity: ArrayLike
 ) -> NDArray[np.float64]:
-    """One convex quadrangle per row of `x` and `y`, (n, 4), with its corners in order."""
-    shapes = np.empty((len(x), _COLUMNS))
-    shapes[:, KIND], shapes[:, OBJECT], shapes[:, INTENSITY] = QUADRANGLE, objects, intensity
-    shapes[:, X : X + 4], shapes[:, Y : Y + 4] = x, y
+    """One convex quadrangle per row of `x` and `y`, (..., n, 4), with its corners in order."""
+    shapes = np.empty((*x.shape[:-1], _COLUMNS))
+    shapes[..., KIND], shapes[..., OBJECT], shapes[..., INTENSITY] = QUADRANGLE, objects, intensity
+    shapes[..., X : X + 4], shapes[..., Y : Y + 4] = x, y
     return shapes

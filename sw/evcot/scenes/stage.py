@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..events import Events, Recording
 from ..ranges import Range, check_ranges
-from ._occlusion_kernel import hidden_parts
+from ._occlusion_kernel import hidden_at
 from ._render_kernel import changes, draw, shift_texture
 from .pixel import PixelCamera, PixelModel
 from .scene import Scene
@@ -25,6 +25,7 @@ MARGIN_PX = 16  # of a background, on every side: limit of camera shake
 _MOVE_PX = 0.5  # maximum displacement between two frames
 _AIM = 0.9  # fraction of that to aim for, so that a step rarely has to be repeated
 _STEP_MAX_US = 5_000
+_AT_ONCE = 1_000  # samples of the truth
 
 STAGE_RANGES: dict[str, Range] = {
     "width": (64, 4096, "pixels of the sensor across"),
@@ -58,9 +59,15 @@ class StageSettings:
 
 
 class Stage(Protocol):
-    """Interface of a scene to be filmed. `background`: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity."""
+    """Interface of a scene to be filmed.
+
+    Attributes:
+        background: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity.
+        steady: whether it always has as many shapes and objects, and is a `SteadyStage`.
+    """
 
     background: NDArray[np.float64]
+    steady: bool
 
     def shapes(self, t_us: float) -> NDArray[np.float64]:
         """The shapes in front of the background, the farthest first; see `shapes`."""
@@ -70,6 +77,14 @@ class Stage(Protocol):
 
     def shift(self, t_us: float) -> tuple[float, float]:
         """Displacement of the background, pixels right and down, at most MARGIN_PX - 1."""
+
+
+class SteadyStage(Stage, Protocol):
+    """`shapes` and `objects` take (k,) times, too; what they return has another axis in front."""
+
+    def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]: ...
+
+    def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]: ...
 
 
 def film(stage: Stage, settings: StageSettings) -> Scene:
@@ -86,8 +101,7 @@ def film(stage: Stage, settings: StageSettings) -> Scene:
         if moved_px > _MOVE_PX and next_us > t_us + 1:
             step_us = (next_us - t_us) * _AIM * _MOVE_PX / moved_px
             continue
-        canvas.draw(changed)
-        blocks.append(camera.step(canvas.frame, next_us, changed))
+        blocks.append(camera.step(canvas.frame, next_us, canvas.draw(changed)))
         step_us = (next_us - t_us) * min(_AIM * _MOVE_PX / max(moved_px, 1e-9), 2.0)
         t_us = next_us
     events = Events.joined(blocks)
@@ -98,14 +112,20 @@ def film(stage: Stage, settings: StageSettings) -> Scene:
 
 def _samples(stage: Stage, times_us: Iterable[int], sensor: tuple[int, int]) -> NDArray[np.void]:
     """`Truth.samples` of a stage."""
-    moments = []
-    for t_us in times_us:
-        objects = stage.objects(t_us)
-        objects["t_us"] = t_us
+    every_us = np.fromiter(times_us, np.int64)
+    moments = [np.empty(0, TRUTH)]
+    for begin in range(0, len(every_us), _AT_ONCE if stage.steady else 1):
+        now_us = every_us[begin : begin + (_AT_ONCE if stage.steady else 1)]
+        if stage.steady:
+            steady = cast(SteadyStage, stage)
+            objects, shapes = steady.objects(now_us), steady.shapes(now_us)
+        else:
+            objects, shapes = stage.objects(int(now_us[0]))[None], stage.shapes(int(now_us[0]))[None]
+        objects["t_us"] = now_us[:, None]
         ids = np.array(objects["object_id"], np.int64)  # contiguous, so Numba compiles the kernel only once
-        objects["occluded"] = hidden_parts(stage.shapes(t_us), ids, *sensor)
-        moments.append(objects.tobytes())
-    samples = np.frombuffer(bytearray().join(moments), TRUTH)
+        objects["occluded"] = hidden_at(shapes, ids, *sensor)
+        moments.append(objects.ravel())
+    samples = np.concatenate(moments)
     samples["visible"] = on_sensor(samples, sensor)
     return samples
 
@@ -133,13 +153,14 @@ class _Canvas:
             moved_px = max(moved_px, *(abs(now - was) for was, now in zip(self._shift, self._next_shift, strict=True)))
         return changed, moved_px
 
-    def draw(self, changed: NDArray[np.int64]) -> None:
-        """Update the frame to the time of the last call of `look`."""
+    def draw(self, changed: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Update the frame to the time of the last call of `look`; returns where it has changed, as `draw` of the kernel."""
         if self._next_shift != self._shift:
             self._shift = self._next_shift
             self._move_background()
         self._shapes = self._next
-        draw(changed, self._shapes, self._background, self._scratch, self._linear, self.frame)
+        stretches: NDArray[np.int64] = draw(changed, self._shapes, self._background, self._scratch, self._linear, self.frame)
+        return stretches
 
     def _move_background(self) -> None:
         right, down = self._shift

@@ -11,7 +11,6 @@ from typing import Any, Literal, get_args
 
 from ..errors import ConfigError, meant
 from ..filters.config import FilterConfig
-from ..filters.hot_pixels import load_hot_pixels
 from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import Shape
 from ..hardware.motion.contract import MotionRegisters
@@ -208,5 +207,7 @@ def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path, key: st
     if name is not None:
         if not isinstance(name, str) or "hot_pixels" in own:
             raise ConfigError(f"[{key}]: hot_pixels_file = {name!r}: must be a file name, given without hot_pixels")
+        from ..filters.hot_pixels import load_hot_pixels  # with Numba, which settings alone do not need
+
         own["hot_pixels"] = load_hot_pixels(folder / name)
     return base.changed(own)

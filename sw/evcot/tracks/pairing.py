@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 __all__ = ["assignment", "best_pairs", "closest_pairs", "most_first", "within"]
 
@@ -39,6 +37,10 @@ def best_pairs(left: NDArray[np.int64], right: NDArray[np.int64], gain: NDArray[
     """
     if not len(left):
         return np.empty(0, np.int64)
+    # As in `assignment`: a command that compares nothing loads none of scipy.
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     n_left = int(left.max()) + 1
     size = n_left + int(right.max()) + 1
     graph = coo_array((np.ones(len(left), np.int8), (left, n_left + right)), shape=(size, size))

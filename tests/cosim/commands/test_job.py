@@ -16,7 +16,9 @@ from evcot.scenes.registry import simulate_scene
 from evcot.trackers.auto.estimates import estimate
 from evcot.trackers.auto_registers import auto_config, told
 from evcot.trackers.config import RunConfig, load_toml
-from evcot_cosim.cli import main
+from evcot_cosim.cli import main, parser
+from evcot_cosim.commands.actions import job
+from evcot_cosim.commands.parsing import claims_of
 
 
 @pytest.fixture(scope="module")
@@ -120,3 +122,17 @@ def test_too_short_a_recording_says_that_none_was_seen(discs: Path, tmp_path: Pa
     printed = Printed(capsys, tmp_path, str(path))
     assert "no object seen for long enough -> 8 slots with motion" in printed.err
     assert printed.config.software == "auto"
+
+
+def test_a_long_recording_is_looked_at_by_kernels_that_another_process_compiled(
+    discs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Compiling takes 100 MB, which a run that is documented at 400 MB has not got."""
+    compiled: list[object] = []
+    monkeypatch.setattr(job, "compiled_aside", lambda function, *_: compiled.append(function))
+    options = parser().parse_args(["cosim", str(discs)])
+    options.claims = claims_of(options)
+    for most, aside in ((1_000, [estimate]), (None, [])):
+        compiled.clear()
+        assert job.job_from(options, auto=True, most=most).more == (most is not None)
+        assert compiled == aside

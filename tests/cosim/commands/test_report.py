@@ -124,7 +124,7 @@ def test_a_truth_may_be_given(made: Path, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nowhere"], "nowhere: a log does not hold the events: must be given with --recording FILE"),
+        (["nowhere"], "nowhere: cannot be read: No such file or directory"),
         (["nowhere", "--recording", "{made}/b.aedat4"], "nowhere: cannot be read: No such file or directory"),
         (["{made}/log.npz"], "{made}/log.npz: a log does not hold the events: must be given with --recording FILE"),
         (["{made}/log.npz", "--recording", "{made}/b.aedat4", "--to", "20"], "{made}/log.npz: does not belong to "),

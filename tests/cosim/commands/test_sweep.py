@@ -123,7 +123,7 @@ def test_one_run_alone_from_the_command_of_its_row(made: Path, capsys: Capture) 
         (["tune", "data/discs1.npz", "--field", "rct.radius_px", "-o", "new"], "--field rct.radius_px: must be NAME=LOW..HIGH"),
         (["tune", "data/discs1.npz", "--field", "cot.mode=1,2", "-o", "new"], "must be a field of engine rct"),
         (
-            ["tune", "data/discs1.npz", "--truth", "a", "--truth", "b", "-o", "new"],
+            ["tune", "data/discs1.npz", "--truth", "spec.toml", "--truth", "spec.toml", "-o", "new"],
             "--truth: 2 for 1 recordings: must be given",
         ),
         (["tune", "data/discs1.npz", "--validate", "1", "-o", "new"], "--validate 1: must be from 0.05 to 0.95"),

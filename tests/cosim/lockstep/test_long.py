@@ -146,7 +146,7 @@ def test_long_logs_alone_have_a_report_in_parts(
     Path("both.parts/part-00001.html").write_text("mine")
     assert main([*both, "-o", "both.html", "--force"]) == 2
     assert "both.parts: holds part-00001.html, which evcot did not write" in capsys.readouterr().err
-    assert main(["report", "software.npz", "--recording", str(recorded), "--truth", "none.csv", "-o", "x.html"]) == 2
+    assert main(["report", "software.npz", "--recording", str(recorded), "--truth", "software.npz", "-o", "x.html"]) == 2
     assert f"{recorded}: has more than 9000 events" in capsys.readouterr().err
     other = ["report", "software.npz", "--recording", str(recorded), "--to", "200", "-o", "x.html"]
     assert main(other) == 2

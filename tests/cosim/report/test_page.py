@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import re
+import weakref
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -167,3 +169,15 @@ def test_a_report_that_cannot_be_written_leaves_nothing(material: Made, tmp_path
     with pytest.raises(OutputError, match="cannot be written"):
         write_report(Material(empty(), {}, ()), tmp_path / "missing" / "report.html")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_that_is_written_leaves_nothing_in_memory(material: Made, tmp_path: Path) -> None:
+    shown = replace(material)
+    alive = weakref.ref(shown)
+    gc.disable()  # a reference cycle would keep the page's data until a collection, which may be hundreds of pages away
+    try:
+        write_report(shown, tmp_path / "report.html")
+        del shown
+        assert alive() is None
+    finally:
+        gc.enable()

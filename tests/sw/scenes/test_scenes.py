@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.scenes import discs, highway, insects, pendulum, shake
-from evcot.scenes._render_kernel import bounds, draw
+from evcot.scenes._render_kernel import _logarithms, bounds, draw
 from evcot.scenes.pixel import PixelModel
 from evcot.scenes.registry import SCENES, scene_settings, simulate_scene
 from evcot.scenes.scene import Scene
 from evcot.scenes.shapes import OBJECT
-from evcot.scenes.stage import _samples
+from evcot.scenes.stage import _Canvas, _samples
 
 FILMED = {"discs": discs, "highway": highway, "insects": insects, "pendulum": pendulum, "shake": shake}
 QUIET = PixelModel(0.2, 0.2)
@@ -44,6 +44,38 @@ def drawn(shapes: NDArray[np.float64], width: int, height: int) -> NDArray[np.fl
     background, scratch, linear, frame = (np.ones((height, width)) for _ in range(4))
     draw(np.array([[0, 0, width, height]]), shapes, background, scratch, linear, frame)
     return linear
+
+
+@pytest.mark.parametrize("name", FILMED)
+def test_a_frame_that_is_redrawn_where_something_moved_is_the_whole_frame_redrawn(name: str) -> None:
+    stage, times_us = stage_of(name), range(0, 400_000, 3_001)
+    everywhere = np.array([[0, 0, 346, 260]])
+    canvas, whole = _Canvas(stage, 346, 260), _Canvas(stage, 346, 260)
+    for t_us in times_us:
+        before = canvas.frame.copy()
+        changed, _ = canvas.look(t_us)
+        told = np.zeros((260, 346), np.bool_)
+        for left, top, right, bottom in canvas.draw(changed).tolist():
+            told[top:bottom, left:right] = True
+        whole.look(t_us)
+        whole.draw(everywhere)
+        assert np.array_equal(canvas.frame, whole.frame)
+        assert not (canvas.frame != before)[~told].any()
+
+
+@pytest.mark.parametrize("name", ["discs", "insects", "pendulum", "shake"])
+def test_many_times_at_once_give_what_each_gives_alone(name: str) -> None:
+    stage, times_us = stage_of(name), np.arange(0, 900_000, 7_001)
+    assert stage.steady
+    assert stage.shapes(times_us).tobytes() == b"".join(stage.shapes(int(t_us)).tobytes() for t_us in times_us)
+    assert stage.objects(times_us).tobytes() == b"".join(stage.objects(int(t_us)).tobytes() for t_us in times_us)
+
+
+def test_logarithms_are_right_to_an_ulp() -> None:
+    values = np.exp(np.concatenate((np.random.default_rng(1).uniform(-80, 80, 9_000), np.linspace(-1e-3, 1e-3, 1_001))))
+    found = np.empty_like(values)
+    _logarithms(values, found)
+    assert (abs(found - np.log(values)) <= np.spacing(abs(np.log(values)))).all()
 
 
 def of_object(samples: NDArray[np.void], number: int) -> NDArray[np.void]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that take a recording with its track logs refuse the log of another recording."""
+"""The logs of a run or a recording; commands that take both refuse the log of another recording."""
 
 from __future__ import annotations
 
@@ -12,8 +12,15 @@ from evcot.events import Events
 from evcot.tracks.belongs import Extent, check_belongs
 from evcot.tracks.log import TrackLog
 from evcot.tracks.reading import RecordRuns
+from evcot.tracks.suffixes import PARQUET
 
-__all__ = ["check_logs", "run_extent"]
+__all__ = ["check_logs", "log_of_run", "run_extent"]
+
+
+def log_of_run(folder: Path, name: str) -> Path:
+    """The log of an engine in the folder of a run, .npz, or .parquet of a long one; it need not exist."""
+    parquet = folder / f"{name}{PARQUET}"
+    return parquet if parquet.is_file() else folder / f"{name}.npz"
 
 
 def check_logs(logs: Iterable[tuple[Path, RecordRuns]], recording: str, *extents: Extent) -> None:

@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Iterable, Iterator
-
-from rich.console import Console
-from rich.status import Status
+from typing import TYPE_CHECKING
 
 from evcot.events import Events
+
+if TYPE_CHECKING:
+    from rich.status import Status
 
 __all__ = ["Counting"]
 
@@ -23,9 +25,8 @@ class Counting:
     """
 
     def __init__(self, title: str, *, enabled: bool = True) -> None:
-        console = Console(stderr=True)
         self._title, self._begin_s = title, time.perf_counter()
-        self._line = Status(title, console=console) if enabled and console.is_terminal else None
+        self._line = _line(title) if enabled and sys.stderr.isatty() else None
 
     def __enter__(self) -> Counting:
         if self._line is not None:
@@ -51,3 +52,10 @@ class Counting:
             done = f"{events:,} events, {after_us / 1e6:.3f} s of the recording"
             rate = f"{events / max(taken_s, 1e-9) / 1e6:.2f} M events/s"
             self._line.update(f"{self._title}: {done}; {taken_s:.0f} s so far, {rate}")
+
+
+def _line(title: str) -> Status:
+    from rich.console import Console
+    from rich.status import Status
+
+    return Status(title, console=Console(stderr=True))

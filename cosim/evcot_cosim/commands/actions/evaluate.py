@@ -15,13 +15,12 @@ from evcot.tracks.log import TrackLog
 from evcot.tracks.parquet import LogFile
 from evcot.tracks.suffixes import PARQUET
 
-from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...tables import print_table
 from ..options import sensor_from
 from ..tracked import RUN_LOGS
+from .belonging import log_of_run
 from .clock import clock_from
 from .counting import Counting
-from .tracked import log_of_run
 
 __all__ = ["run"]
 
@@ -49,6 +48,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
 
 def _logs_of_run(options: argparse.Namespace) -> dict[str, Path]:
     """The logs of a run by engine; ConfigError for a folder of none, TrackLogError for a log of other events than the run's."""
+    from ...lockstep.run_file import RUN_FILE, read_run_file  # with Numba, which scoring does not need
+
     folder, described = options.log, None
     if (folder / RUN_FILE).is_file():
         described = read_run_file(folder / RUN_FILE)

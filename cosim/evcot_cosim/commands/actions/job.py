@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from evcot.compiling import compiling_aside
+from evcot.compiling import compiled_aside, compiling_aside
 from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
@@ -119,6 +119,8 @@ def job_from(
         # What is compiled of the model does not depend on what is seen.
         preset = "motion" if _has_motion(options, top) else None
         with compiling_aside(compile_model, recording.events[:1], sensor, run_config(*sensor, preset)):
+            if more:
+                compiled_aside(estimate, [recording.events[:1]], sensor)
             seen = estimate(blocks(), sensor)
     config = _config(options, recording, blocks, top, seen)
     said = told(seen, config) if seen else None

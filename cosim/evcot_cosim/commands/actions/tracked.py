@@ -15,16 +15,15 @@ from evcot.pictures.plots import Log
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
-from evcot.tracks.suffixes import PARQUET
 
 from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
 from ..options import window_from
 from ..tracked import RUN_DEFAULT, RUN_LOGS
-from .belonging import check_logs, run_extent
+from .belonging import check_logs, log_of_run, run_extent
 from .opening import open_from
 
-__all__ = ["Tracked", "log_of_run", "tracked_from"]
+__all__ = ["Tracked", "tracked_from"]
 
 
 @dataclass(frozen=True)
@@ -44,12 +43,6 @@ class Tracked:
     first_us: int
     from_us: int
     logs: tuple[Log, ...]
-
-
-def log_of_run(folder: Path, name: str) -> Path:
-    """The log of an engine in the folder of a run, .npz, or .parquet of a long one; it need not exist."""
-    parquet = folder / f"{name}{PARQUET}"
-    return parquet if parquet.is_file() else folder / f"{name}.npz"
 
 
 @contextmanager
