@@ -160,7 +160,7 @@ def test_records_are_written_as_csv(source: Path, option: str, capsys: pytest.Ca
     assert main(["track", str(source), option, "y.csv", "-q"]) == 0
     log.write_csv("wanted.csv")
     assert Path("y.csv").read_text() == Path("wanted.csv").read_text()
-    assert main(["plot", "y.csv", "--recording", str(source), "-o", "y.png"]) == 2
+    assert main(["plot", str(source), "y.csv", "-o", "y.png"]) == 2
     assert "y.csv: has records alone, without owners: must be the .npz or .parquet log" in capsys.readouterr().err
 
 
