@@ -189,7 +189,8 @@ def _csv(path: Path) -> Iterator[tuple[list[str], Iterator[tuple[int, list[str]]
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise RecordingError(f"{path}: byte {error.start}: must be UTF-8 text") from error
+        rule = "must be a truth as CSV, or a file of boxes; recordings and track logs hold none"
+        raise RecordingError(f"{path}: is no text, at byte {error.start}: {rule}") from error
     except csv.Error as error:
         raise RecordingError(f"{path}: line {reader.line_num}: is no CSV: {error}") from error
 

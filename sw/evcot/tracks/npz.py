@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..errors import TrackLogError
 from ..outputs import note_input
 from .record import TRACK
+from .suffixes import CSV
 
 __all__ = ["NpzFile"]
 
@@ -113,6 +114,9 @@ class NpzFile:
         try:
             with open(self.path, "rb") as file:
                 if not zipfile.is_zipfile(file):
+                    if self.path.suffix.lower() == CSV:
+                        rule = "must be the .npz or .parquet log of the same run"
+                        raise TrackLogError(f"{self.path}: CSV has records alone, without owners: {rule}")
                     raise TrackLogError(f"{self.path}: is not an npz file, or is cut off")
                 with zipfile.ZipFile(file) as archive:
                     yield archive

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import TrackLogError
 from .npz import NpzFile
 from .parquet import LogFile
-from .suffixes import CSV, PARQUET
+from .suffixes import PARQUET
 
 __all__ = ["RecordRuns", "in_the_name_of", "open_log"]
 
@@ -43,8 +43,6 @@ def open_log(path: Path | str) -> LogFile | NpzFile:
     Raises:
         TrackLogError: the file is missing, damaged, or not a TrackLog.
     """
-    if Path(path).suffix.lower() == CSV:
-        raise TrackLogError(f"{path}: has records alone, without owners: must be the .npz or .parquet log of the same run")
     opened: Callable[[Path | str], LogFile | NpzFile] = LogFile if Path(path).suffix.lower() == PARQUET else NpzFile
     return opened(path)
 

@@ -104,7 +104,7 @@ def test_without_a_rule_it_is_the_one_whose_columns_the_truth_has(capsys: Captur
     ("arguments", "message"),
     [
         (["none.npz", "--truth", "truth.csv"], "none.npz: cannot be read: No such file or directory"),
-        (["truth.csv", "--truth", "truth.csv"], "truth.csv: is not an npz file, or is cut off"),
+        (["truth.csv", "--truth", "truth.csv"], "truth.csv: CSV has records alone, without owners"),
         (["software.npz", "--truth", "none.csv"], "none.csv: cannot be read: No such file or directory"),
         (
             ["software.npz", "--truth", "truth.csv", "--rule", "cars"],

@@ -161,7 +161,10 @@ def test_records_are_written_as_csv(source: Path, option: str, capsys: pytest.Ca
     log.write_csv("wanted.csv")
     assert Path("y.csv").read_text() == Path("wanted.csv").read_text()
     assert main(["plot", str(source), "y.csv", "-o", "y.png"]) == 2
-    assert "y.csv: has records alone, without owners: must be the .npz or .parquet log" in capsys.readouterr().err
+    assert (
+        "y.csv: CSV has records alone, without owners: must be the .npz or .parquet log of the same run"
+        in capsys.readouterr().err
+    )
 
 
 def test_an_unknown_suffix_is_refused_before_the_work(source: Path, capsys: pytest.CaptureFixture[str]) -> None:

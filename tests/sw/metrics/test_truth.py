@@ -101,7 +101,7 @@ def test_a_line_that_is_wrong_is_named(lines: tuple[str, ...], message: str, tmp
     [
         (None, "cannot be read: No such file or directory"),
         (b"", "has no header: must have one line an object"),
-        (b"a,b\n\xff,1\n", "byte 4: must be UTF-8 text"),
+        (b"a,b\n\xff,1\n", "is no text, at byte 4: must be a truth as CSV, or a file of boxes"),
         (b'a,b\n"' + b"x" * 200_000 + b'",2\n', "line 2: is no CSV: "),
         (b"t_us,id\n1,2\n", "line 1: 't_us,id': must have one column 'left' (the rule's `columns`)"),
     ],
@@ -150,7 +150,7 @@ def test_a_truth_of_boxes_that_says_nothing_is_refused(tmp_path: Path) -> None:
             read_truth(path, rule, clock=clock)
         assert str(caught.value) == f"{path}: {message}"
 
-    refused("has no line: must have one a box")
+    refused("no box counts: must have one at least that is to be found")
     refused("line 1: id = -1: must be an object's: detections are no truth", "1,-1,1,1,2,2,1,1,1")
     refused("no box counts: must have one at least that is to be found", "1,1,1,1,2,2,0,1,1")
     off = "line 2: x = 399.5, width = 2: must reach the sensor's 346x260 pixels"

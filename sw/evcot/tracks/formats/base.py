@@ -137,11 +137,9 @@ def check_boxes(path: Path, boxes: Boxes) -> Boxes:
     """Validate what was read, and return it in order of time.
 
     Raises:
-        TrackLogError: no box at all, a value outside its range, or an id twice at one time.
+        TrackLogError: a value outside its range, or an id twice at one time.
     """
     rows = boxes.rows
-    if not len(rows):
-        raise TrackLogError(f"{path}: has no box: must have one at least")
     rules = [
         *((name, np.abs(rows[name]) <= _PIXELS_MAX, f"must be at most {_PIXELS_MAX:g}") for name in ("left", "top")),
         *(

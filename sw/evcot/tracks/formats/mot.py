@@ -37,6 +37,8 @@ class MotResult:
     def read(path: Path, clock: FrameClock) -> Boxes:
         """See `BoxFormat`; results, detections and truths are distinguished by their columns."""
         lines = _lines(path)
+        if not lines:  # the result of a tracker that found nothing
+            return Boxes(np.empty(0, np.int64), np.zeros(0, BOX), None, "line")
         columns = len(lines[0][1])
         if columns not in (_TRUTH, _RESULT):
             number, cells = lines[0]
@@ -92,12 +94,9 @@ def _lines(path: Path) -> list[tuple[int, list[str]]]:
         raise TrackLogError(f"{path}: cannot be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise TrackLogError(f"{path}: byte {error.start}: must be UTF-8 text") from error
-    lines = [
+    return [
         (number, [cell.strip() for cell in line.split(",")]) for number, line in enumerate(text.splitlines(), 1) if line.strip()
     ]
-    if not lines:
-        raise TrackLogError(f"{path}: has no line: must have one a box")
-    return lines
 
 
 def _values(path: Path, number: int, cells: list[str], names: tuple[str, ...]) -> list[float]:

@@ -87,7 +87,6 @@ def test_times_are_exact_on_a_clock_of_centuries(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "has no line: must have one a box"),
         ("1,1,2,3,4,5,6,7\n", "line 1: 8 values: must be 9 (truth) or 10 (results, detections), separated by commas"),
         (RESULT + "4,1,1,1,1,1,1,1,1\n", "line 4: 9 values: must be 10, as the lines before"),
         ("\n0,1,1,1,2,2,1,-1,-1,-1\n", "line 2: frame = '0': must be an integer from 1 to 1000000"),

@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.errors import TrackLogError
+from evcot.errors import EvcotError, TrackLogError
+from evcot.metrics.rule import load_rule
+from evcot.metrics.scores import evaluate
+from evcot.metrics.truth import read_truth
 from evcot.tracks.formats import FORMAT_NAMES
 from evcot.tracks.formats.base import FrameClock
 from evcot.tracks.formats.of_log import boxes_of_log, log_of_boxes
@@ -43,6 +46,26 @@ def test_a_log_is_sampled_at_the_times_of_frames() -> None:
     assert [row[0] for row in young.rows[["instant", "id"]].tolist() if row[1] == 4] == [1, 2, 3, 5]
     later = boxes_of_log(LOG, FrameClock(10_000, 30_000), until_us=41_000)
     assert later.instants_us.tolist() == [30_000, 40_000]
+
+
+@pytest.mark.parametrize("name", FORMAT_NAMES)
+def test_a_result_without_a_box_is_an_empty_log_and_no_truth(name: str, tmp_path: Path) -> None:
+    if name == "mcap":
+        pytest.importorskip("mcap")
+    path = tmp_path / f"r{FORMATS[name].SUFFIX}"
+    write_boxes(path, boxes_of_log(log_of([]), CLOCK, (346, 260)), CLOCK, name)
+    log = log_of_boxes(path, read_boxes(path, CLOCK, name))
+    assert len(log.records) == 0
+    truth = read_truth(boxes_file(tmp_path), load_rule("boxes"), clock=CLOCK)
+    scores = evaluate(log, truth, load_rule("boxes"))
+    assert (scores.hota, scores.tp, scores.fn, scores.fp) == (0.0, 0, 1, 0)
+    with pytest.raises(EvcotError, match="no box counts: must have one at least that is to be found"):
+        read_truth(path, load_rule("boxes"), clock=CLOCK, format=name)
+
+
+def boxes_file(folder: Path) -> Path:
+    (folder / "t.txt").write_text("1,1,71,109,40,40,1,1,1.0\n")
+    return folder / "t.txt"
 
 
 def test_a_turned_box_is_written_as_the_upright_rectangle_around_it() -> None:
