@@ -187,7 +187,10 @@ def _survives(a: Any, b: Any) -> bool:
 
 @step
 def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
-    """Merge pairs of objects that are one: the first born survives, with a box around both."""
+    """Merge pairs of objects that are one: the first born survives, with a box around both.
+
+    A visible object that merges into one that is not visible yet is lost: there is no track that it could have merged into.
+    """
     n = world.run[0].live
     for at in range(n):
         i = world.slots[at]
@@ -206,7 +209,8 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
                     world.objects[first].first_y += 0.5 * (low + high) - into[0]
                 into[0], into[2] = 0.5 * (low + high), 0.5 * (high - low)
             world.objects[first].support += world.objects[second].support
-            _end(rules, world, out, MERGED, t_us, second, world.objects[first].track_id)
+            other_id = world.objects[first].track_id
+            _end(rules, world, out, MERGED if other_id >= 0 else LOST, t_us, second, other_id)
 
 
 @step

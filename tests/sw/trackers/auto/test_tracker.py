@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import evcot
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.metrics import evaluate, load_rule, read_truth
@@ -278,3 +279,11 @@ def test_the_real_motorway_with_its_hot_pixel() -> None:
     assert scores.hota > 0.75
     assert scores.idf1 > 0.87
     assert scores.idsw <= 2
+
+
+def test_a_merge_names_a_track_that_was_born() -> None:
+    """Objects that merge into one that is not visible yet are lost: there is no track that they could have merged into."""
+    log = evcot.track(evcot.simulate("insects", seed=2, duration_us=1_500_000).recording, "auto")
+    merged = log.of_kind(Kind.MERGED)
+    assert len(merged) > 0
+    assert np.isin(merged["other_id"], log.of_kind(Kind.BORN)["track_id"]).all()
