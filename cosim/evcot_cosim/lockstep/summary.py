@@ -211,13 +211,14 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
     agreement = summary["agreement"]
     hardware, software = "cot-rtl", summary["config"]["software"]
     filters = [("filtered out", f"{_percent(summary['filtered_fraction'])} of the events, by {', '.join(summary['filters'])}")]
-    exact = f"exact: {summary['records']:,} records and every event's owner" if summary["exact"] else "NO"
+    records = f"{summary['records']:,} records and" if summary["records"] else "no record, and"
+    exact = f"exact: {records} every event's owner" if summary["exact"] else "NO"
     return [
         ("events", f"{summary['events']:,} in {summary['recording_s']:.3f} s"),
         *(filters if summary["filters"] else []),
         ("hardware = model", exact),
         ("cycles", f"{summary['cycles']:,} ({summary['cycles_per_event']:.3f} per event, {summary['slots']} slots)"),
-        ("lock-step rate", f"{summary['events_per_s'] / 1e6:.2f} M events/s, {summary['realtime_factor']:.1f} x real time"),
+        ("lock-step rate", f"{summary['events_per_s'] / 1e6:.2f} M events/s, {summary['realtime_factor']:.3g} x real time"),
         ("software rate", f"{summary['software_events_per_s'] / 1e6:.1f} M events/s"),
         ("", "hardware | software"),
         ("births", f"{summary['births'][hardware]} | {summary['births'][software]}"),
@@ -232,11 +233,14 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
             f"{_figure(agreement['alive_mean_hardware'])} | {_figure(agreement['alive_mean_software'])} on average, "
             f"the same number {_percent(agreement['alive_equal_fraction'])} of the time",
         ),
-        (
-            "distance of pairs",
-            f"{_figure(agreement['distance_median_px'])} px median, {_figure(agreement['distance_p90_px'])} px at 90 %",
-        ),
+        ("distance of pairs", _distance(agreement)),
     ]
+
+
+def _distance(agreement: dict[str, Any]) -> str:
+    if agreement["distance_median_px"] is None:
+        return "no pair"
+    return f"{agreement['distance_median_px']:.2f} px median, {agreement['distance_p90_px']:.2f} px at 90 %"
 
 
 def verdict_lines(verdict: Verdict, columns: int | None = None) -> list[str]:

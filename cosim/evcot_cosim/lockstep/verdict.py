@@ -42,6 +42,7 @@ _OWNED = (0.7, 0.5)
 _PAIRED = (0.7, 0.4)
 _MERGED = (0.7, 0.4)
 _FEW = 5  # a share of fewer short tracks makes nothing poor; a share of fewer merges says nothing
+_ENOUGH_S = 0.05  # of a recording, from which on its tracks can be judged: a birth takes up to 20 ms
 _FILTERED = 0.5  # share of the isolated events from which on filters are at work
 
 
@@ -107,6 +108,11 @@ def verdict_of(recording: Recording, logs: Mapping[str, TrackLog], summary: Mapp
 def verdict_by(figures: Mapping[str, Quality], summary: Mapping[str, Any]) -> Verdict:
     """The verdict of figures by side; `summary` as of `verdict_of`."""
     lines = _exactness(summary)
+    length_s = summary.get("recording_s")
+    if length_s is not None and length_s < _ENOUGH_S and "mismatch" not in summary and summary.get("exact", True):
+        text = f"{length_s * 1e3:.3g} ms: must be {_ENOUGH_S * 1e3:g} ms with moving objects at least, for tracks to be judged"
+        lines.append(Line("length", "", Grade.FAIR, text))
+        return Verdict(Grade.FAIR, "Too short to judge the tracks.", tuple(lines), figures)
     for side, quality in figures.items():
         lines += [_tracks(side, quality, summary), _events(side, quality, summary), _noise(side, quality)]
     lines += _agreement(summary)
@@ -139,6 +145,9 @@ def _exactness(summary: Mapping[str, Any]) -> list[Line]:
         return []
     if not summary["exact"]:
         return [Line("exactness", "", Grade.POOR, "hardware and model differ")]
+    if summary.get("records") == 0:
+        text = "hardware = model in the owner of every event; no record was there to compare"
+        return [Line("exactness", "", Grade.FAIR, text, fault="no record was there to compare")]
     text = f"hardware = model in all {summary.get('records', 0):,} records and in the owner of every event"
     return [Line("exactness", "", Grade.GOOD, text)]
 
@@ -150,7 +159,7 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
             side,
             Grade.POOR,
             "no track became visible",
-            _register(side, summary, "clust_nev", "require fewer events for a birth", "below"),
+            _easier_birth(side, summary),
             "none became visible",
         )
     text = _counted_tracks(found.tracks)
@@ -175,8 +184,7 @@ def _events(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
         return Line("events", side, Grade.GOOD, "no event with a neighbour reached the tracker")
     share = _percent(found.owned_fraction)
     text = f"{share} of the events that are neither filtered out nor isolated belong to lasting tracks"
-    what = _register(side, summary, "clust_nev", "require fewer events for a birth", "below")
-    advice = f"objects are missed, or lost in between; {what}"
+    advice = f"objects are missed, or lost in between; {_easier_birth(side, summary)}"
     return _line("events", side, _below(found.owned_fraction, _OWNED), text, advice, f"lasting ones have {share} of the events")
 
 
@@ -234,6 +242,15 @@ def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
         )
     what = "they end for lack of events: tracks are given up too early, or begin with too few events"
     return f"{what}; {_register(side, summary, 'max_ticks', 'let tracks live longer without events', 'above')}"
+
+
+def _easier_birth(side: str, summary: Mapping[str, Any]) -> str:
+    """What to do about objects without a track."""
+    motion = summary.get("config", {}).get("cot", {}).get("motion", {})
+    if side in ("hardware", "model") and motion.get("enable"):
+        how = f"detect_ticks in [motion] of run.toml above {motion.get('detect_ticks')}, then `evcot cosim --config run.toml`"
+        return f"allow more time for the first events of a faint object ({how})"
+    return _register(side, summary, "clust_nev", "require fewer events for a birth", "below")
 
 
 def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: str) -> str:

@@ -93,7 +93,8 @@ def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]
         ("Time with a partner", percent(a["paired_fraction_hardware"]), percent(a["paired_fraction_software"]),
          f"within {a['radius_px']:g} px of each other"),
         ("Distance of partners", "", "",
-         f"{figure(a['distance_median_px'])} px median, {figure(a['distance_p90_px'])} px at 90 %"),
+         "no partners" if a["distance_median_px"] is None
+         else f"{figure(a['distance_median_px'])} px median, {figure(a['distance_p90_px'])} px at 90 %"),
     ]  # fmt: skip
 
 

@@ -88,7 +88,7 @@ def test_nothing_is_none_and_the_summary_is_json(tmp_path: Path) -> None:
     assert summary["lifetimes"]["rct"] == {"tracks": 0, "lost": 0, "median_s": None, "longest_s": None}
     write_summary(summary, tmp_path / "summary.json")
     assert json.loads((tmp_path / "summary.json").read_text())["agreement"]["distance_median_px"] is None
-    assert ("distance of pairs", "none px median, none px at 90 %") in table(summary)
+    assert ("distance of pairs", "no pair") in table(summary)
     with pytest.raises(ValueError, match="Out of range float"):
         write_summary({"rate": float("nan")}, tmp_path / "nan.json")
 

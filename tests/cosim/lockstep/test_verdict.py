@@ -159,6 +159,16 @@ def test_hardware_with_motion_has_no_slots_registers_to_change(monkeypatch: pyte
     assert "--preset" not in advice
 
 
+def test_a_recording_too_short_to_judge_says_what_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    verdict = judged(monkeypatch, replace(GOOD, tracks=0), recording_s=0.0088, exact=True, records=0)
+    assert (verdict.grade, verdict.headline) == (Grade.FAIR, "Too short to judge the tracks.")
+    assert [(found.about, found.grade, found.text) for found in verdict.lines] == [
+        ("exactness", Grade.FAIR, "hardware = model in the owner of every event; no record was there to compare"),
+        ("length", Grade.FAIR, "8.8 ms: must be 50 ms with moving objects at least, for tracks to be judged"),
+    ]
+    assert judged(monkeypatch, GOOD, recording_s=0.06).headline == "The tracks look sound."
+
+
 def test_it_is_the_same_after_a_conversion_through_json(monkeypatch: pytest.MonkeyPatch) -> None:
     verdict = judged(monkeypatch, replace(GOOD, owned_fraction=None), agreement=AGREEMENT)
     assert verdict_from(json.loads(json.dumps(verdict.to_dict()))) == verdict
