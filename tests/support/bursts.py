@@ -34,7 +34,9 @@ class Square:
         return np.concatenate([np.stack(edge, axis=1) for edge in edges]) + self.corner(t_us)
 
 
-def bursts(step_ms: int, squares: list[Square], sensor: tuple[int, int], noise_hz: float = 0.0, lasts_ms: int = 2_000) -> Events:
+def bursts(
+    step_ms: int, squares: list[Square], sensor: tuple[int, int], noise_hz: float = 0.0, lasts_ms: int = 2_000
+) -> Events:
     """All events of a step at one time, in random order; noise, in Hz per pixel, comes with them."""
     rng = np.random.default_rng(step_ms)
     parts, times = [], []

@@ -16,9 +16,9 @@ from ._owner import find
 from ._places import OF_STATE, alone, enter, move, renew
 from ._sides import measure
 from ._state import (
+    BUSY,
     CANDIDATE,
     CORRECTIONS,
-    BUSY,
     COUNT,
     DEADLINE,
     EMPTY,
