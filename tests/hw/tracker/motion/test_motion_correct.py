@@ -67,9 +67,10 @@ def work_of(job: Job) -> list[str]:
                     if job.found[on_y]:
                         said += [f"c_cut_high {on_y}"] if job.low_stays[on_y] else [f"c_cut_low {on_y}", f"c_order {on_y}"]
         said += ["c_bins", *clear]
+    turns = job.corrections >= 2 and not job.instant
     said += [
         "c_settle",
-        *["c_speed"] * (job.corrections >= 2 and not job.instant),
+        *["c_speed"] * turns,
         "c_times",
         "c_count",
         *["keep_start"] * (job.corrections == 3),

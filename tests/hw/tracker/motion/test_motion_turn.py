@@ -79,6 +79,7 @@ def test_random_traffic(seed: int) -> None:
         0,
     )
     quiet_since, settled, putting = 0, 8, 0
+    seen |= {"empty": 0, "too many empty": 0}
     came, empty, paused, kept = False, 0, 0, False  # steps before which no event came
     for clock in range(3_500):
         # ---- what is shown to it
