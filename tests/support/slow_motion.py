@@ -118,7 +118,7 @@ def gap(a: tuple[int, int], b: tuple[int, int]) -> int:
 class Slot:
     """A candidate or a visible track."""
 
-    def __init__(self, number: int, r: MotionRegisters, x: int, y: int, now: int) -> None:
+    def __init__(self, number: int, r: MotionRegisters, x: int, y: int, now: int, counted: int) -> None:
         self.number, self.r, self.visible, self.id = number, r, False, 0
         self.left = False  # lost, but it may return
         self.axes = [Axis((at - r.seed_px) * PX, (at + r.seed_px) * PX) for at in (x, y)]
@@ -126,7 +126,7 @@ class Slot:
         self.partner: Slot | None = None
         self.meets, self.n_ev = False, r.nev_low
         self.last = self.seeded = now
-        self.usual, self.deadline, self.reported = r.detect_ticks, now + r.detect_ticks, 0
+        self.usual, self.deadline, self.reported = r.detect_ticks, counted + r.detect_ticks, 0
         for axis in self.axes:
             axis.clear_bins()
         self.due: int | None = None  # number of the event from which on what was found is in force
@@ -181,7 +181,7 @@ class Slot:
         self.count += 1
         return self.count >= self.n_ev
 
-    def correct(self, now: int) -> None:
+    def correct(self, now: int, counted: int) -> None:
         r = self.r
         for axis in self.axes:
             part = axis.side >> r.side_shrink if r.side_shrink and not self.meets else 0
@@ -193,7 +193,7 @@ class Slot:
         self.look()
         ticks = min(max(now - self.last, 1), 2**24 - 1)
         for axis in self.axes:
-            if self.corrections >= 2:
+            if self.corrections >= 2 and ticks > 1:
                 way = axis.common(self.corrections < r.settle)
                 axis.go(way)
                 gain = min(1 + self.corrections // 2**r.gain_slow, r.gain_log2)
@@ -204,14 +204,17 @@ class Slot:
                 change = divided(way, r.step_log2 - 1 - gain, ticks)
                 axis.v = max(-r.speed_max, min(r.speed_max, axis.v + change))
             axis.off = [0, 0]
-        self.usual = ticks if self.corrections == 0 else self.usual + (ticks - self.usual) // 4
+        if self.corrections == 0:
+            self.usual = ticks
+        elif ticks > 1:
+            self.usual += (ticks - self.usual) // 4
         self.last = now
         self.corrections = min(self.corrections + 1, 63)
         if self.corrections == 4:
             for axis in self.axes:
                 axis.start = axis.lo + axis.hi
         self.n_ev = min(max(sum(axis.px for axis in self.axes), r.nev_low), r.nev_high)
-        self.deadline = now + min(max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks)
+        self.deadline = counted + min(max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks)
         self.next_rings = self.rings()
 
     def look(self) -> None:
@@ -324,11 +327,16 @@ class SlowArray:
         self.births = 0
         self.seeded: Slot | None = None  # has begun, and is not in force
         self.next_step = 2**registers.step_log2
+        self.came, self.empty, self.paused = False, 0, 0  # empty motion steps do not count for deadlines, up to 32 in a row
 
     def event(self, now: int, x: int, y: int, kept: bool = True) -> None:
         """The next event; one that a filter took out advances time and the count."""
         while self.next_step <= now:
             self._put_in_force(None)
+            self.empty = 0 if self.came else self.empty + 1
+            if 0 < self.empty <= 32:
+                self.paused += 2**self.r.step_log2
+            self.came = False
             for i in range(len(self.slots)):
                 slot = self.slots[i]
                 if slot is not None:
@@ -337,6 +345,7 @@ class SlowArray:
         if not kept:
             self.owners.append(DROPPED)
             return
+        self.came = True
         number = len(self.owners)
         self._put_in_force(number)
         slot, shared = self._owner(now, (x, y))
@@ -344,7 +353,7 @@ class SlowArray:
         if slot is not None and slot is self.seeded:
             slot.due = number + LATER
         elif slot is not None and slot.take((x, y), shared, self.support_max):
-            slot.correct(now)
+            slot.correct(now, now - self.paused)
             slot.due = number + LATER
             if slot.visible:
                 self._record(slot, Kind.MOVED, now, len(self.owners) - 1)
@@ -379,7 +388,7 @@ class SlowArray:
         free += [i for i, slot in enumerate(self.slots) if slot is not None and slot.left]
         if not free:
             return None, False
-        self.slots[free[0]] = self.seeded = Slot(free[0], self.r, *place, now)
+        self.slots[free[0]] = self.seeded = Slot(free[0], self.r, *place, now, now - self.paused)
         return self.seeded, False
 
     def _record(self, slot: Slot, kind: Kind, time: int, seq: int | None = None, other: int = 0) -> None:
@@ -396,11 +405,11 @@ class SlowArray:
 
     def _step(self, slot: Slot, now: int) -> None:
         r = self.r
-        if now >= slot.deadline:
+        if now - self.paused >= slot.deadline:
             if slot.visible:
                 self._record(slot, Kind.LOST, now)
             if slot.visible and r.return_ticks:
-                slot.visible, slot.left, slot.deadline = False, True, now + r.return_ticks
+                slot.visible, slot.left, slot.deadline = False, True, now - self.paused + r.return_ticks
                 for axis in slot.axes:
                     axis.set_box(r.ring_max)
             else:

@@ -20,6 +20,7 @@ from evcot.trackers.following import FollowingTracker
 from evcot.trackers.presets import FOLLOWING, fit
 from evcot.tracks.log import DROPPED, TrackLog
 from evcot.tracks.tracking import log_of
+from support.bursts import Square, bursts
 
 SENSOR = 346, 260
 
@@ -77,3 +78,22 @@ def test_filters_that_hold_are_those_of_the_hardware() -> None:
     held = replace(FOLLOWING.filters, activity_noise_hz=0.0)
     tracker = ENGINES["cot"].start(FOLLOWING, held, SENSOR)
     assert type(tracker) is CotTracker
+
+
+@pytest.mark.parametrize("sensor", [(240, 180), (346, 260)])
+@pytest.mark.parametrize("step_ms", [1, 10, 20, 33, 50, 100])
+def test_an_object_whose_events_come_in_bursts_has_one_track_that_follows_it(step_ms: int, sensor: tuple[int, int]) -> None:
+    square = Square(70, 110, 20, -20)
+    tracker = FollowingTracker(fit(FOLLOWING, *sensor).cot, FOLLOWING.filters, sensor)
+    records, _ = tracker.feed(bursts(step_ms, [square], sensor))
+    assert len(np.unique(records["track_id"])) == 1
+    assert records["t_us"][0] < 200_000 + 6_000 * step_ms
+    truth = np.array([square.corner(int(t) // 1_000 // step_ms * step_ms * 1_000) for t in records["t_us"]]) + 19.5
+    assert np.median(np.hypot(records["x"] - truth[:, 0], records["y"] - truth[:, 1])) < 2
+
+
+@pytest.mark.parametrize("step_ms", [10, 20, 33, 50])
+def test_two_objects_whose_events_come_in_bursts_have_two(step_ms: int) -> None:
+    squares = [Square(20, 20, 60, 0, side=30), Square(150, 120, -40, 0, side=30)]
+    records, _ = FollowingTracker(fit(FOLLOWING, *SENSOR).cot, FOLLOWING.filters, SENSOR).feed(bursts(step_ms, squares, SENSOR))
+    assert len(np.unique(records["track_id"])) == 2

@@ -120,7 +120,7 @@ module cot_motion #(
 
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
-    wire [TIME_W-1:0] now, next_step;
+    wire [TIME_W-1:0] now, next_step, paused;
     wire              holds;
     wire              q_valid, q_due, q_runs, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
@@ -212,6 +212,7 @@ module cot_motion #(
         .seeded     (seeded),
         .q_due      (q_due),
         .q_runs     (q_runs),
+        .q_event    (q_event),
         .q_counts   (q_event || q_skip),
         .room       (room),
         .takes_token(takes_token),
@@ -223,6 +224,7 @@ module cot_motion #(
         .d_time     (d_time),
         .now        (now),
         .next_step  (next_step),
+        .paused     (paused),
         .op_valid   (op_valid),
         .op_beside  (op_beside),
         .op_writes  (op_store || op_put),
@@ -461,6 +463,7 @@ module cot_motion #(
         .do_end         (ends_life),
         .end_slot       (end_slot),
         .now            (steps ? next_step : now),
+        .paused         (paused),
         .seq            (seq),
         .rests          (rests),
         .puts           (!holds),

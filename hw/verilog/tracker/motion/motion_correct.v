@@ -44,6 +44,7 @@ module motion_correct #(
     input  wire              q_meets,
     input  wire [5:0]        corrections,
     input  wire              look_due,
+    input  wire              instant,      // no more than a tick since the last correction
     input  wire              resting,      // its velocity is 0
     input  wire              looks,        // at axis look_y
     input  wire              look_done,
@@ -138,7 +139,7 @@ module motion_correct #(
         {keep, keep_now, keep_until, keep_window, keep_start, say} <= 6'd0;
         lane_next <= lane;
         may_turn  <= lane && !inverse_goes_on;
-        turns <= corrections >= 6'd2;
+        turns <= corrections >= 6'd2 && !instant;
         old   <= corrections >= 6'd8;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;

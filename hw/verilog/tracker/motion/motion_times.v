@@ -24,10 +24,12 @@ module motion_times #(
     input  wire              keep_now,   // that time is written
     input  wire              keep_until, // or the deadline
     input  wire [TIME_W-1:0] now,
+    input  wire [TIME_W-1:0] counted,    // now, without the empty motion steps that do not count for deadlines
     output reg  [TIME_W-1:0] age,        // of that time
-    output wire              ended,      // it is not in the future
+    output wire              ended,      // that time, a deadline, is not in the future
     output reg  [23:0]       ticks,      // age, at least 1; if that has more than 24 bits, 2^24 - 1 a clock later
     output reg               beyond,     // it has
+    output reg               instant,    // ticks are 1, a clock later
     output reg               silent,     // for more than twice the usual time
 
     // the usual time between corrections, and the deadline that follows
@@ -35,7 +37,7 @@ module motion_times #(
     input  wire [23:0]       loaded,
     input  wire              seed,       // the deadline is in detect_ticks
     input  wire              leave,      // the deadline is in return_ticks
-    input  wire              correct,    // takes ticks, or a quarter of what they are more
+    input  wire              correct,    // takes ticks, or a quarter of what they are more; if they are 1 only at first
     input  wire              first,
     output reg  [23:0]       usual,
     input  wire [23:0]       detect_ticks,
@@ -72,7 +74,10 @@ module motion_times #(
     wire [TIME_W:0] ahead = {age[TIME_W-1], age} - {other[TIME_W-1], other};
     reg  [24:0]       slower_by;
 
-    assign ended = !age[TIME_W-1];
+    wire [TIME_W-1:0] late = counted - then;
+    reg               future;
+
+    assign ended = !future;
 
     block_memory #(
         .W    (TIME_W),
@@ -92,11 +97,13 @@ module motion_times #(
         age    <= now - then;
         beyond <= |age[TIME_W-1:24];
         ticks  <= age[23:0] | {24{beyond}} | {23'd0, age[23:1] == 23'd0};
+        future  <= late[TIME_W-1];
+        instant <= ticks[23:1] == 23'd0;
         silent <= |age[TIME_W-1:25] || {usual, 1'b0} < age[24:0];
 
         slower_by <= {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
-        if (correct) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
+        if (correct && (first || !instant)) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
 
         // The time until the deadline is shifted, then limited, then added.
         grants <= correct;
@@ -118,7 +125,7 @@ module motion_times #(
         if (seed || leave || chooses)
             granted <= seed ? detect_ticks : leave ? return_ticks : shorter ? life_ticks : longer ? coast_ticks : grant;
         adds <= chooses || seed || leave;
-        if (adds) deadline <= now + {{(TIME_W - 24) {1'b0}}, granted};
+        if (adds) deadline <= counted + {{(TIME_W - 24) {1'b0}}, granted};
         if (hold) deadline <= then;
 
         if (take) other <= age;
@@ -148,7 +155,7 @@ module motion_times #(
         end
     end
 
-    wire unused = &{1'b0, slower_by[1:0], ahead[TIME_W-1:0]};
+    wire unused = &{1'b0, slower_by[1:0], ahead[TIME_W-1:0], late[TIME_W-2:0]};
 
 endmodule
 

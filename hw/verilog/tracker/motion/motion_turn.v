@@ -32,6 +32,7 @@ module motion_turn #(
     // tokens: see motion_queue.v
     input  wire              q_due,        // there is one, and a motion step comes before it
     input  wire              q_runs,       // there is one, and none does
+    input  wire              q_event,      // it is an event, not taken out by a filter
     input  wire              q_counts,     // it is an event, or one that a filter took out
     input  wire              room,         // for those under way and two more: it is seen a clock later
     output wire              takes_token,
@@ -43,6 +44,7 @@ module motion_turn #(
     input  wire [TIME_W-1:0] d_time,
     output reg  [TIME_W-1:0] now,
     output reg  [TIME_W-1:0] next_step,
+    output reg  [TIME_W-1:0] paused,       // the length of all empty motion steps that do not count for deadlines
 
     // operations
     input  wire              op_valid,
@@ -76,6 +78,8 @@ module motion_turn #(
     localparam [1:0] DUE   = 2'd3;  // the queue sees whether another step is due
 
     reg  [1:0]        state;
+    reg               came;       // an event, since the last step
+    reg  [5:0]        empty;      // steps in a row without one, at most 32
     reg               bubble;     // an operation that writes was before
     reg               put_busy;   // a slot is being put in force,
     reg  [SLOT_W-1:0] putting;    // this one
@@ -146,6 +150,15 @@ module motion_turn #(
             following <= following + 8'd1;
         end
         if (d_valid) now <= d_time;
+        if (takes_token && q_event) came <= 1'b1;
+        if (steps) begin
+            came <= 1'b0;
+            if (came) empty <= 6'd0;
+            else if (!empty[5]) begin
+                empty  <= empty + 6'd1;
+                paused <= paused + {{(TIME_W - 21) {1'b0}}, {1'b0, step_mask} + 21'd1};
+            end
+        end
 
         drained <= state == RUN && stop && !active && waits_none && rests && !op_valid && !bubble;
         case (state)
@@ -186,6 +199,9 @@ module motion_turn #(
             issued    <= 8'd0;
             following <= 8'd1;
             now      <= {TIME_W{1'b0}};
+            paused   <= {TIME_W{1'b0}};
+            empty    <= 6'd0;
+            came     <= 1'b0;
             restarts <= 1'b0;
             must_end <= 1'b0;
             restep_1 <= 1'b1;

@@ -43,6 +43,7 @@ module motion_work #(
     input  wire                do_end,        // the life of end_slot ends at once
     input  wire [SLOT_W-1:0]   end_slot,
     input  wire [TIME_W-1:0]   now,
+    input  wire [TIME_W-1:0]   paused,        // what does not count for deadlines; it changes with do_step alone
     input  wire [SEQ_W-1:0]    seq,
     output wire                rests,         // nothing is being done
     input  wire                puts,          // box and window of put_slot may be put in force, and no step is under way
@@ -134,6 +135,8 @@ module motion_work #(
     reg begun_1, begun_2;  // what comes with the job is there
     reg may_return;
     reg resting;           // the velocity is 0
+    reg [TIME_W-1:0] counted;  // op_time, as it counts for deadlines
+    wire instant;          // no more than a tick since the last correction
 
     assign op_slot = at;
 
@@ -141,6 +144,7 @@ module motion_work #(
         {begun_2, begun_1} <= rst ? 2'b00 : {begun_1, begun};
         may_return         <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         resting            <= v == 32'd0;
+        counted            <= op_time - paused;
         if (do_step || do_end) begin
             op_time <= now;
             op_seq  <= seq;
@@ -194,6 +198,7 @@ module motion_work #(
         .shrinks     (regs[`MOTION_SIDE_SHRINK] != 4'd0),
         .q_meets     (q_meets),
         .look_due    (look_due),
+        .instant     (instant),
         .resting     (resting),
         .looks       (looks),
         .look_done   (look_done),
@@ -443,10 +448,12 @@ module motion_work #(
         .keep_now    (c_keep_now),
         .keep_until  (c_keep_until),
         .now         (op_time),
+        .counted     (counted),
         .age         (age),
         .ended       (ended),
         .ticks       (ticks),
         .beyond      (beyond),
+        .instant     (instant),
         .silent      (silent),
         .load        (c_loads),
         .loaded      (q_usual),

@@ -16,10 +16,13 @@ from ._owner import find
 from ._places import OF_STATE, alone, enter, move, renew
 from ._sides import measure
 from ._state import (
+    BUSY,
     CANDIDATE,
     CORRECTIONS,
     COUNT,
     DEADLINE,
+    EMPTY,
+    EMPTY_MAX,
     FREE,
     GAP_CORRECTIONS,
     HI_X,
@@ -36,6 +39,7 @@ from ._state import (
     NEXT_WIN_LO_X,
     NEXT_WIN_LO_Y,
     NOW,
+    PAUSED,
     REL_MASK,
     REPORT_STEPS,
     REPORTED,
@@ -123,13 +127,13 @@ def restart(s: Table, glob: Table, modes: Table, places: Table, i: int, out: Tab
 @step
 def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
     """The motion step of one slot that is not free."""
-    if now >= s[i, DEADLINE]:
+    if now - glob[PAUSED] >= s[i, DEADLINE]:
         if s[i, STATE] == VISIBLE:
             n = record(s, i, LOST, glob[SEQ], now, 0, out, n)
             if r[RETURN_TICKS]:
                 s[i, STATE] = LEFT
                 await_return(s, r, i)
-                s[i, DEADLINE] = now + r[RETURN_TICKS]
+                s[i, DEADLINE] = now - glob[PAUSED] + r[RETURN_TICKS]
                 return n
         s[i, STATE] = FREE
         s[i, DEADLINE] = NEVER
@@ -152,12 +156,24 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
 
 
 @step
+def _pause(r: Table, glob: Table) -> None:
+    """A motion step before which no kept event came does not count for deadlines, up to so many in a row."""
+    if glob[BUSY]:
+        glob[EMPTY] = 0
+    elif glob[EMPTY] < EMPTY_MAX:
+        glob[EMPTY] += 1
+        glob[PAUSED] += 1 << r[STEP_LOG2]
+    glob[BUSY] = 0
+
+
+@step
 def _step(s: Table, r: Table, lim: Table, glob: Table, places: Table, out: Table, n: int) -> int:
     """One motion step of all slots, in order."""
     now = glob[NEXT_STEP]
     if glob[IN_FORCE] != NEVER:
         _put_in_force(s, glob, places, NEVER)
     glob[NEXT_STEP] += 1 << r[STEP_LOG2]
+    _pause(r, glob)
     for i in range(s.shape[0]):
         if s[i, STATE] != FREE:
             n = _step_slot(s, r, lim, glob, i, now, out, n)
@@ -201,6 +217,8 @@ def _steps(
     while glob[NEXT_STEP] <= now and n + room <= len(out):
         if not _lives(s):  # steps in which nothing happens, however many
             glob[NEXT_STEP] += (((now - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
+            glob[EMPTY] = 0
+            glob[BUSY] = 0
             break
         done = glob[SEQ] - before
         glob[SEQ] += np.searchsorted(ticks[done:e], glob[NEXT_STEP])
@@ -214,7 +232,7 @@ def _seed(s: Table, r: Table, glob: Table, places: Table, i: int, x: int, y: int
     """An event begins a candidate in slot i, which no other one does until this one is in force."""
     places[OF_STATE, s[i, STATE]] &= ~alone(i)
     places[OF_STATE, CANDIDATE] |= alone(i)
-    seed(s, r, i, x, y, now)
+    seed(s, r, i, x, y, now, now - glob[PAUSED])
     glob[SEEDING] = i
     _wait(s, glob, i)
 
@@ -222,7 +240,7 @@ def _seed(s: Table, r: Table, glob: Table, places: Table, i: int, x: int, y: int
 @step
 def _correct(s: Table, r: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
     """An event completes a window of slot i; returns the new number of records."""
-    correct(s, r, i, now)
+    correct(s, r, i, now, now - glob[PAUSED])
     _wait(s, glob, i)
     return record(s, i, MOVED, glob[SEQ], now, 0, out, n) if s[i, STATE] == VISIBLE else n
 
@@ -256,6 +274,7 @@ def feed(
             return e, n
         if glob[SEQ] >= glob[IN_FORCE]:
             _put_in_force(s, glob, places, glob[SEQ])
+        glob[BUSY] = 1
         x: Any = np.int64(xs[e])  # signed: unsigned ones would be compared with sides as floats
         y: Any = np.int64(ys[e])
         i, shared, seeds = find(places, x, y)

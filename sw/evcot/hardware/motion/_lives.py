@@ -95,7 +95,7 @@ def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Ta
 
 
 @step
-def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
+def seed(s: Table, r: Table, i: int, x: int, y: int, now: int, counted: int) -> None:
     """A candidate begins: a square around the event, at rest, which holds no event until it is in force."""
     half = r[SEED_PX] << SUB
     s[i, STATE] = CANDIDATE
@@ -126,7 +126,7 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
     s[i, LAST] = now
     s[i, SEEDED] = now
     s[i, USUAL] = r[DETECT_TICKS]
-    s[i, DEADLINE] = now + r[DETECT_TICKS]
+    s[i, DEADLINE] = counted + r[DETECT_TICKS]
     clear_bins(s, i)
     next_window(s, r, i)
     s[i, WIN_LO_X] = 1
@@ -134,7 +134,7 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
 
 
 @step
-def correct(s: Table, r: Table, i: int, now: int) -> None:
+def correct(s: Table, r: Table, i: int, now: int, counted: int) -> None:
     """After a window of N_ev events: sides, velocity, lifetime, the next N_ev, and the next window."""
     shrink(s, r, i)
     look_for_gaps(s, r, i)
@@ -145,7 +145,7 @@ def correct(s: Table, r: Table, i: int, now: int) -> None:
         s[i, FROM_Y] = s[i, LO_Y] + s[i, HI_Y]
     outline = length(s, LO_X, HI_X, i) + length(s, LO_Y, HI_Y, i)
     s[i, N_EV] = min(max(outline, r[NEV_LOW]), r[NEV_HIGH])
-    s[i, DEADLINE] = now + min(max(s[i, USUAL] << r[LIFE_LOG2], r[LIFE_TICKS]), r[COAST_TICKS])
+    s[i, DEADLINE] = counted + min(max(s[i, USUAL] << r[LIFE_LOG2], r[LIFE_TICKS]), r[COAST_TICKS])
     next_window(s, r, i)
 
 

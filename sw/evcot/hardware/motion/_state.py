@@ -43,8 +43,8 @@ _NAMES = [field.name for field in fields(MotionRegisters)]
     )
 )  # fmt: skip
 
-NOW, SEQ, BIRTHS, NEXT_STEP, IN_FORCE, SEEDING = range(6)  # common to all slots
-GLOBAL_COUNT = 6
+NOW, SEQ, BIRTHS, NEXT_STEP, IN_FORCE, SEEDING, EMPTY, BUSY, PAUSED = range(9)  # common to all slots
+GLOBAL_COUNT = 9
 
 ID_MASK, SUPPORT_MAX, REL_MASK, REACH = range(4)  # follow from the hardware's widths
 LIMIT_COUNT = 4
@@ -58,4 +58,5 @@ TICKS_MAX = (1 << 24) - 1  # ticks between two corrections, saturating
 TOGETHER_MAX = (1 << 16) - 1  # steps together after which two merge in any case
 MOVES_FROM = 4  # corrections from which on a candidate's velocity counts
 IN_FORCE_AFTER = 64  # events after which a correction, or a candidate, is in force
+EMPTY_MAX = 32  # motion steps in a row without an event that do not bring a deadline nearer
 LOOKS_FROM = 8  # corrections from which on a gap counts

@@ -101,7 +101,7 @@ def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
     """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity."""
     ticks = min(max(now - s[i, LAST], 1), TICKS_MAX)
     done = s[i, CORRECTIONS]
-    if done >= 2:
+    if done >= 2 and ticks > 1:
         slower = done < r[SETTLE]
         d_x = _common(s[i, OFF_LO_X], s[i, OFF_HI_X], slower)
         d_y = _common(s[i, OFF_LO_Y], s[i, OFF_HI_Y], slower)
@@ -117,7 +117,10 @@ def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
     s[i, OFF_HI_X] = 0
     s[i, OFF_LO_Y] = 0
     s[i, OFF_HI_Y] = 0
-    s[i, USUAL] = ticks if done == 0 else s[i, USUAL] + ((ticks - s[i, USUAL]) >> 2)
+    if done == 0:
+        s[i, USUAL] = ticks
+    elif ticks > 1:
+        s[i, USUAL] += (ticks - s[i, USUAL]) >> 2
     s[i, LAST] = now
 
 

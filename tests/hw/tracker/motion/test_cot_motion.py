@@ -13,10 +13,12 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.ticks import TickedEvents
+from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.random_runs import random_motion, random_motion_run
+from support.bursts import Square, bursts
 from support.moving import QUICK, SHAPE, VARIANTS, scene
 from support.testing import lint
 from support.trials import bare_device
@@ -51,6 +53,16 @@ def test_scenes_in_which_objects_meet(name: str) -> None:
 def test_random_registers_and_traffic(shape: Shape, seed: int) -> None:
     model = build_device(random_motion(np.random.default_rng(0), shape), waves=False)
     random_motion_run(shape, 100 * shape.n_slots + seed, 8_000 if shape.n_slots < 16 else 3_000, model)
+
+
+@pytest.mark.parametrize("step_ms", [5, 20, 100, 200])
+def test_objects_whose_events_come_in_bursts(step_ms: int) -> None:
+    events = bursts(step_ms, [Square(20, 20, 40, 30), Square(150, 100, -40, 10, side=30)], (240, 180), lasts_ms=1_500)
+    ticks = TickedEvents.of(events)
+    config = fit(PRESETS["motion"], 240, 180, 8).cot
+    model = CotModel(config).feed(ticks)
+    equal(bare_device(config).stream(ticks), model)
+    assert (np.count_nonzero(model.records["kind"] == Kind.BORN) >= 2) == (step_ms <= 100)
 
 
 def test_stalls_change_nothing() -> None:

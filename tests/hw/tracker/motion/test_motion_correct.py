@@ -36,6 +36,7 @@ class Job:
     looks: tuple[bool, bool]
     found: tuple[bool, bool]
     low_stays: tuple[bool, bool]
+    instant: bool
 
 
 def random_job(rng: np.random.Generator) -> Job:
@@ -44,7 +45,7 @@ def random_job(rng: np.random.Generator) -> Job:
     resting, slot = rng.random() < 0.2, int(rng.integers(1 << SLOT_W))
     return Job(
         slot, rng.random() < 0.2, *flags[:3], corrections, rng.random() < 0.6, resting, (rng.random() < 0.7, flags[3]),
-        (flags[4], rng.random() < 0.7), (flags[5], flags[6]),
+        (flags[4], rng.random() < 0.7), (flags[5], flags[6]), rng.random() < 0.3,
     )  # fmt: skip
 
 
@@ -66,7 +67,14 @@ def work_of(job: Job) -> list[str]:
                     if job.found[on_y]:
                         said += [f"c_cut_high {on_y}"] if job.low_stays[on_y] else [f"c_cut_low {on_y}", f"c_order {on_y}"]
         said += ["c_bins", *clear]
-    said += ["c_settle", *["c_speed"] * (job.corrections >= 2), "c_times", "c_count", *["keep_start"] * (job.corrections == 3)]
+    turns = job.corrections >= 2 and not job.instant
+    said += [
+        "c_settle",
+        *["c_speed"] * turns,
+        "c_times",
+        "c_count",
+        *["keep_start"] * (job.corrections == 3),
+    ]
     said += [f"say {int(Kind.MOVED)}"] * job.visible
     return [*said, "c_window", "op_store", *written]
 
@@ -119,6 +127,7 @@ def test_random_jobs(stalls: bool) -> None:
             was_loaded = any(name == "load" for name, *_ in control.said)
             io.q_meets = int(job.meets) if control.steady(3) and control.at[0] == job.slot else any_[0]
             io.corrections = corrections if was_loaded else int(rng.integers(64))
+            io.instant = int(job.instant)
             io.look_due = int(job.look_due) if was_loaded else any_[1]
             looks = job.looks[on_y[0]] if len(set(on_y[:2])) == 1 and control.clocks >= noted + 3 else bool(any_[2])
             io.looks = int(looks)

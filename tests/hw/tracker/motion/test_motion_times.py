@@ -37,7 +37,7 @@ def _part() -> Any:
 
 
 def usual_of(usual: int, ticks: int, first: bool) -> int:
-    return ticks if first else usual + (ticks - usual >> 2)
+    return ticks if first else usual + (ticks - usual >> 2) if ticks > 1 else usual
 
 
 def test_corrections_and_the_deadline(part: Any) -> None:
@@ -52,7 +52,7 @@ def test_corrections_and_the_deadline(part: Any) -> None:
             age = coast >> int(io.life_log2) + 1
         io.at, io.since, io.now = int(rng.integers(4)), LAST, then
         pulse("keep_now")
-        io.now = then + age
+        io.now = io.counted = then + age
         io.loaded = min(age, (1 << 24) - 1) if rng.random() < 0.5 else int(rng.integers(1 << 24)) >> int(rng.integers(24))
         pulse("load", clocks=6)
         ticks = max(1, min(age, (1 << 24) - 1))
@@ -60,6 +60,7 @@ def test_corrections_and_the_deadline(part: Any) -> None:
         assert int(io.silent) == (age > 2 * int(io.loaded))
         io.first = int(rng.integers(2))
         usual = usual_of(int(io.loaded), ticks, bool(io.first))
+        assert int(io.instant) == (ticks == 1)
         pulse("correct", clocks=8 + int(io.life_log2))
         assert int(io.usual) == usual
         io.since = UNTIL
@@ -71,9 +72,23 @@ def test_corrections_and_the_deadline(part: Any) -> None:
     assert min(limits.values()) > 30
 
 
+def test_a_deadline_is_in_time_that_counts(part: Any) -> None:
+    io, pulse = part.io, part.pulse
+    io.at, io.since, io.now, io.counted, io.detect_ticks = 3, UNTIL, 1_000, 900, 70
+    pulse("seed", clocks=2)
+    pulse("keep_until", clocks=4)
+    assert int(io.ended) == 0
+    io.now = 1_100
+    pulse(clocks=5)
+    assert int(io.ended) == 0
+    io.counted = 970
+    pulse(clocks=5)
+    assert int(io.ended) == 1
+
+
 def test_a_candidate_has_the_time_to_be_detected(part: Any) -> None:
     io, pulse = part.io, part.pulse
-    io.at, io.since, io.now, io.detect_ticks = 3, UNTIL, 1_000, 70
+    io.at, io.since, io.now, io.counted, io.detect_ticks = 3, UNTIL, 1_000, 1_000, 70
     pulse("seed", clocks=2)
     pulse("keep_until", clocks=4)
     assert int(io.age) == -70 % (1 << TIME_W)
@@ -81,7 +96,7 @@ def test_a_candidate_has_the_time_to_be_detected(part: Any) -> None:
 
 def test_what_leaves_has_the_time_to_return(part: Any) -> None:
     io, pulse = part.io, part.pulse
-    io.at, io.since, io.now, io.detect_ticks, io.return_ticks = 2, UNTIL, 1_000, 70, 900
+    io.at, io.since, io.now, io.counted, io.detect_ticks, io.return_ticks = 2, UNTIL, 1_000, 1_000, 70, 900
     pulse("load", clocks=2)
     usual = int(io.usual)
     pulse("leave", clocks=2)

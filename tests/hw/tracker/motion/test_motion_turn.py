@@ -61,9 +61,26 @@ def test_random_traffic(seed: int) -> None:
         0  # an operation that writes, or a slot that is put in force, was taken in the clock before; clocks of a step
     )
     seen = dict.fromkeys(
-        ("op", "put", "token", "step", "end", "end before step", "lowest", "reached", "no room", "write", "over"), 0
+        (
+            "op",
+            "put",
+            "token",
+            "step",
+            "end",
+            "end before step",
+            "lowest",
+            "reached",
+            "no room",
+            "write",
+            "over",
+            "empty",
+            "too many empty",
+        ),
+        0,
     )
     quiet_since, settled, putting = 0, 8, 0
+    seen |= {"empty": 0, "too many empty": 0}
+    came, empty, paused, kept = False, 0, 0, False  # steps before which no event came
     for clock in range(3_500):
         # ---- what is shown to it
         wrote_mode, io.cfg_valid = bool(int(io.cfg_valid)) and int(io.cfg_addr) == MODE, 0
@@ -79,9 +96,11 @@ def test_random_traffic(seed: int) -> None:
             around.busy = int(rng.integers(5, 30))
         if around.busy and not around.op and rng.random() < 0.2:
             around.op = str(rng.choice(["reads", "writes"]))
+        kept = around.counts and clock < 1_000
         room, reached = rng.random() < 0.9, around.shown and rng.random() < 0.3
         waits, working = bool(around.jobs or around.puts), bool(around.busy or around.op)
         io.q_due, io.q_counts, io.room = int(around.token and around.due), int(around.counts), int(room)
+        io.q_event = int(kept)
         io.q_runs = int(around.token and not around.due)
         io.op_valid, io.op_writes = int(bool(around.op)), int(around.op == "writes")
         io.op_beside = int(bool(around.op) and not stepping)
@@ -115,6 +134,7 @@ def test_random_traffic(seed: int) -> None:
         assert (int(io.issued), int(io.following), int(io.now)) == (issued % 256, (issued + 1) % 256, now)
         assert int(io.seeded) == sum(1 << i for i in range(N) if seeded[i])
         assert settled > 5 or int(io.next_step) == next_step
+        assert int(io.paused) == paused
         under_way = stepping or reached or put_busy or restarts or written
         assert not int(io.quiet) or not (under_way or 5 < settled < 10)
         quiet_since = 0 if under_way or settled > 5 else quiet_since + 1
@@ -159,7 +179,13 @@ def test_random_traffic(seed: int) -> None:
             around.busy -= 1
             if around.busy == 0 and around.jobs and not stepping:
                 around.puts.append(around.jobs.pop(0))
+        came = came or (took["token"] and kept)
         if step:
+            empty = 0 if came else empty + 1
+            paused += 1 << step_log2 if 0 < empty <= 32 else 0
+            seen["empty"] += 0 < empty <= 32
+            seen["too many empty"] += empty > 32
+            came = False
             next_step = (next_step // (1 << step_log2) + 1) << step_log2
         if step or end:
             stepping, around.busy = 1, int(rng.integers(0, 20))

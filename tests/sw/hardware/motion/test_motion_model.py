@@ -16,7 +16,10 @@ from evcot.hardware.contract import RECORD, Mode
 from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records
 from evcot.hardware.motion._kernel import RECORDS_PER_SLOT
 from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
+from evcot.ticks import TickedEvents
+from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import DROPPED, Kind
+from support.bursts import Square, bursts
 from support.moving import QUICK, SHAPE, VARIANTS, scene
 from support.slow_motion import SlowArray
 
@@ -46,6 +49,18 @@ def test_equals_a_slow_model(name: str, seed: int) -> None:
     assert model.owner.tolist() == slow.owners
     assert as_tuples(model.records) == slow.records
     assert len(slow.records) > 0
+
+
+@pytest.mark.parametrize("step_ms", [5, 20, 100, 200])
+def test_equals_a_slow_model_where_events_come_in_bursts(step_ms: int) -> None:
+    config = fit(PRESETS["motion"], 240, 180, 8).cot
+    events = TickedEvents.of(bursts(step_ms, [Square(20, 20, 40, 30), Square(150, 100, -40, 10, side=30)], (240, 180)))
+    slow = SlowArray(config.motion, 8, (1 << config.shape.sup_w) - 1, (1 << config.shape.id_w) - 1)
+    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
+        slow.event(at, x, y)
+    model = CotModel(config).feed(events)
+    assert model.owner.tolist() == slow.owners
+    assert as_tuples(model.records) == slow.records
 
 
 @pytest.mark.parametrize("seed", [3, 4])
