@@ -5,8 +5,8 @@
 // leave on one line as 25-bit words, {tag, high, low, event}: tag 0x00 to 0x03 a centre of tracker 0 to 3, with event = 0;
 // 0x10 to 0x13 an event of that cluster, with event = 1. Rank on the line: centres 0 to 3, then events 0 to 3.
 // Events that all four reject leave on the pass-through port; the published library drops them: tie m_pass_ack_n low.
-// LIBRARY_LINE = 1 is the library as a whole, whose line keeps an event for 5 clocks at least, in each of which its tracker
-// updates the average; 0 is the trackers by themselves, on a line without delay (aer_merge.v).
+// LIBRARY_LINE = 1 is the library as a whole, whose line keeps an event for 5 clocks or longer, fewer after an acknowledge from
+// before; in each of them its tracker updates the average; 0 is the trackers by themselves, on a line without delay (aer_merge.v).
 // In the library an event of a cluster has a second receiver, a pattern cell, whose acknowledge its tracker awaits as well. Of
 // that cell there is here the clock in which it answers, nothing else: docs/published.md.
 //
