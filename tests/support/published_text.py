@@ -21,6 +21,9 @@ Given = Mapping[str, int]
 Lines = Mapping[str, Place]
 """The asserted lines of a tracker, each with its address: ack, pass, event, centre."""
 
+LineOutputs = tuple[bool, int, int | None]
+"""Whether the line requests, its word, and the sender that it acknowledges."""
+
 NOTHING: Place = (0, 0)
 
 
@@ -185,29 +188,26 @@ class TrackerText:
             out[f"m_{line}_high"], out[f"m_{line}_low"] = lines.get(line, NOTHING)
 
 
-def library_line(n: int = 8) -> Generator[tuple[int | None, int | None], tuple[Mapping[int, int], bool], None]:
-    """The library's line of n senders.
+def library_line(idle: int = 2**25 - 1) -> Generator[LineOutputs, tuple[Mapping[int, int], bool], None]:
+    """The library's line, whose word is `idle` while nobody is connected.
 
-    Yields (the word on the line, the sender that is acknowledged); gets ({sender: word} of all requests, whether the receiver
-    acknowledges).
+    Gets ({sender: word} of all requests, whether the receiver acknowledges).
     """
-    acknowledged = None
+    word, sender, acknowledged = idle, 0, None
     while True:
-        requests, _ = yield None, acknowledged
-        acknowledged = None
-        if not requests:
-            continue
-        requests, acks = yield None, None
-        taken = False
-        while not taken and requests:
-            sender = min(requests)
-            word = requests[sender]
-            requests, taken = yield word, None
-        if not taken:
-            continue
+        while not (yield False, word, acknowledged)[0]:
+            word, acknowledged = idle, None
+        word, acknowledged = idle, None
+        asks = taken = False
+        while not taken:
+            requests, taken = yield asks, word, None
+            asks = bool(requests)
+            if asks:
+                sender = min(requests)
+                word = requests[sender]
         while True:
-            requests, acks = yield None, acknowledged
-            acknowledged = sender
+            requests, acks = yield asks, word, acknowledged
+            asks, acknowledged = False, sender
             if sender not in requests and not acks:
                 break
 
@@ -229,7 +229,8 @@ class CascadeText:
         self.written = [{78: low, **self.DEFAULTS} for low in self.LOWS]
         self.selected: int | None = None
         self.line = library_line()
-        self.sent, self.acked = next(self.line)
+        self.asks, self.word, self.acked = next(self.line)
+        self.told: set[int] = set()  # the trackers whose pattern cell has been told an event
         for i, tracker in enumerate(self.trackers):
             tracker.config = self.config(i)
             tracker.reset()
@@ -276,7 +277,7 @@ class CascadeText:
         out["s_ack_n"], out["m_pass_req_n"] = acks[0], requests[-1]
         if not requests[-1]:
             out["m_pass_high"], out["m_pass_low"] = given["s_high"], given["s_low"]
-        out["m_req_n"], out["m_word"] = self.sent is None, self.sent or 0
+        out["m_req_n"], out["m_word"] = not self.asks, self.word
 
         words = {}
         for i, tracker in enumerate(self.trackers):
@@ -284,8 +285,9 @@ class CascadeText:
                 if line in tracker.lines:
                     high, low = tracker.lines[line]
                     words[rank] = tag << 17 | high << 9 | low << 1 | (line == "event")
-        acked = self.acked
-        self.sent, self.acked = self.line.send((words, not given["m_ack_n"]))
+        acked, told = self.acked, self.told
+        self.told = {i for i, tracker in enumerate(self.trackers) if "event" in tracker.lines}
+        self.asks, self.word, self.acked = self.line.send((words, not given["m_ack_n"]))
 
         held = self.selected
         for i, tracker in enumerate(self.trackers):
@@ -296,7 +298,7 @@ class CascadeText:
                     "s_high": given["s_high"],
                     "s_low": given["s_low"],
                     "m_pass_ack_n": acks[i + 1],
-                    "m_event_ack_n": int(acked != 4 + i),
+                    "m_event_ack_n": int(acked != 4 + i or i not in told),
                     "m_centre_ack_n": int(acked != i),
                 }
             )

@@ -29,7 +29,6 @@ __all__ = [
     "CASCADE",
     "LIBRARY",
     "TRACKER",
-    "VALID_WITH",
     "Event",
     "at",
     "equal",
@@ -41,14 +40,13 @@ __all__ = [
 Event = tuple[int, int, int]  # clock, high, low
 
 
-# Ports that are valid only while their request is low.
-VALID_WITH = {"m_word": "m_req_n"} | {
-    f"m_{port}_{line}": f"m_{port}_req_n" for port in ("pass", "event", "centre") for line in ("high", "low")
-}
-_VALID_WITH = tuple(VALID_WITH.items())
+# Ports that are valid only while their request is low. The library's line has a word at all times.
+_VALID_WITH = tuple((f"m_{port}_{line}", f"m_{port}_req_n") for port in ("pass", "event", "centre") for line in ("high", "low"))
 
 TRACKER = Top("cot_published", (), TRACKER_INPUT, TRACKER_OUTPUT, _VALID_WITH)
-CASCADE = Top("cot_published_chain", (("LIBRARY_LINE", 0),), CASCADE_INPUT, CASCADE_OUTPUT, _VALID_WITH)
+CASCADE = Top(
+    "cot_published_chain", (("LIBRARY_LINE", 0),), CASCADE_INPUT, CASCADE_OUTPUT, (("m_word", "m_req_n"), *_VALID_WITH)
+)
 LIBRARY = Top("cot_published_chain", (("LIBRARY_LINE", 1),), CASCADE_INPUT, CASCADE_OUTPUT, _VALID_WITH)
 
 

@@ -5,8 +5,10 @@
 // leave on one line as 25-bit words, {tag, high, low, event}: tag 0x00 to 0x03 a centre of tracker 0 to 3, with event = 0;
 // 0x10 to 0x13 an event of that cluster, with event = 1. Rank on the line: centres 0 to 3, then events 0 to 3.
 // Events that all four reject leave on the pass-through port; the published library drops them: tie m_pass_ack_n low.
-// LIBRARY_LINE = 1 is the library as a whole, whose line keeps an event for 5 clocks at least, in each of which its tracker
-// updates the average; 0 is the trackers by themselves, on a line without delay (aer_merge.v).
+// LIBRARY_LINE = 1 is the library as a whole, whose line keeps an event for 5 clocks or longer, fewer after an acknowledge from
+// before; in each of them its tracker updates the average; 0 is the trackers by themselves, on a line without delay (aer_merge.v).
+// In the library an event of a cluster has a second receiver, a pattern cell, whose acknowledge its tracker awaits as well. Of
+// that cell there is here the clock in which it answers, nothing else: docs/published.md.
 //
 // Latency:    clocks from a request, every output acknowledged at once: event of a cluster 5 (LIBRARY_LINE = 0: 3), centre 14
 //             (8), rejected 3; plus 3 for each enabled tracker upstream.
@@ -174,6 +176,17 @@ module cot_published_chain #(
             wire unused = &{1'b0, pass_high, pass_low, INDEX, resets_cm_low};
         end
         if (LIBRARY_LINE != 0) begin : g_library
+            wire [2*N-1:0] line_ack_n;
+
+            // the pattern cells: each acknowledges its tracker's event one clock after the request
+            reg [N-1:0] pattern_ack_n;
+            always @(posedge clk) begin
+                pattern_ack_n <= req_n[2*N-1:N];
+                if (rst) pattern_ack_n <= {N{1'b1}};
+            end
+
+            assign ack_n = line_ack_n | {pattern_ack_n, {N{1'b0}}};
+
             published_line #(
                 .N(2 * N),
                 .W(WORD_W)
@@ -181,7 +194,7 @@ module cot_published_chain #(
                 .clk    (clk),
                 .rst    (rst),
                 .s_req_n(req_n),
-                .s_ack_n(ack_n),
+                .s_ack_n(line_ack_n),
                 .s_word (word),
                 .m_req_n(m_req_n),
                 .m_ack_n(m_ack_n),

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The published library's output line: merges N active-low 4-phase senders onto one bus (docs/published.md).
 //
-// A sender's rank is its number, 0 the highest. The choice is made anew at every clock until the receiver acknowledges, so a
-// word that waits is replaced by one of higher rank, and sent later. Senders must hold request and word until acknowledged.
+// A sender's rank is its number, 0 the highest. The choice is made anew at every clock up to that of the receiver's acknowledge,
+// which goes to the sender chosen in that very clock: a word may be replaced as it is acknowledged, and is sent again later.
+// Senders must hold request and word until acknowledged. The word is all ones while the line is idle.
 //
 // Latency:    2 clocks from a request to the word, 4 to the sender's acknowledge if the receiver acknowledges at once.
 // Throughput: a word in 6 clocks.
 // Stall:      the next word waits until the sender has released its request and the receiver its acknowledge.
-// Reset:      no request, no acknowledge.
+// Reset:      no request, no acknowledge, the word of an idle line.
 // Combinational paths: none; all outputs are registers.
 `default_nettype none
 
@@ -53,22 +54,24 @@ module published_line #(
 
         case (state)
             // Waits for a request.
-            IDLE: if (!none) state <= CONNECT;
-
-            // Sends the word of the highest rank until it is acknowledged.
-            CONNECT:
-            if (!m_req_n && !m_ack_n) begin
-                m_req_n <= 1'b1;
-                state   <= ACKNOWLEDGE;
-            end else begin
-                m_req_n <= none;
-                m_word  <= s_word[first*W +: W];
-                owner   <= first;
-                if (none) state <= IDLE;
+            IDLE: begin
+                m_word <= {W{1'b1}};
+                if (!none) state <= CONNECT;
             end
 
-            // Acknowledges its sender until both lines are released.
+            // Sends the word of the highest rank, up to the clock of the acknowledge.
+            CONNECT: begin
+                m_req_n <= none;
+                if (!none) begin
+                    m_word <= s_word[first*W +: W];
+                    owner  <= first;
+                end
+                if (!m_ack_n) state <= ACKNOWLEDGE;
+            end
+
+            // Acknowledges the sender chosen last until both lines are released.
             ACKNOWLEDGE: begin
+                m_req_n <= 1'b1;
                 s_ack_n <= ~({{(N - 1) {1'b0}}, 1'b1} << owner);
                 if (s_req_n[owner] && m_ack_n) state <= IDLE;
             end
@@ -78,7 +81,9 @@ module published_line #(
 
         if (rst) begin
             state   <= IDLE;
+            owner   <= {INDEX_W{1'b0}};
             m_req_n <= 1'b1;
+            m_word  <= {W{1'b1}};
             s_ack_n <= {N{1'b1}};
         end
     end

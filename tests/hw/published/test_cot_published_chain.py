@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, PublishedCascade, decode
+from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, PublishedCascade, PublishedConfig, decode
 from evcot_cosim.devices.clocked import Top, rtl, simulation
-from evcot_cosim.devices.published_device import CASCADE, LIBRARY, VALID_WITH, at, equal, play, quiet, reset_cascade
+from evcot_cosim.devices.published_device import CASCADE, LIBRARY, at, equal, play, quiet, reset_cascade
 from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, n_evs, noise, some_registers, wandering
 from support.testing import lint
@@ -74,6 +74,83 @@ class TestLibraryLine:
         assert decode(result.word)["tracker"].tolist() == [0, 1]
         result = play([(0, 100, 200), (1, 100, 100)], CONFIG, other, ack=[30])
         assert decode(result.word)["tracker"].tolist() == [1, 0]
+
+
+def driven(*configs: PublishedConfig, n: int, asked: dict[range, tuple[int, int]], acked: Sequence[range]) -> NDArray[np.void]:
+    """The library's outputs in n clocks: events requested in these ranges of clocks, words acknowledged in those."""
+    inputs = quiet(LIBRARY, n)
+    for clocks, place in asked.items():
+        inputs["s_req_n"][clocks] = 0
+        for row in inputs[clocks.start :]:
+            row["s_high"], row["s_low"] = place
+    for clocks in acked:
+        inputs["m_ack_n"][clocks] = 0
+    reset_cascade(LIBRARY, configs)
+    outputs = rtl(LIBRARY, inputs)
+    equal(outputs, PublishedCascade(configs).clocks(inputs), inputs)
+    return outputs
+
+
+def low(line: NDArray[np.uint8]) -> list[int]:
+    """The clocks in which a line is low."""
+    return np.flatnonzero(line == 0).tolist()
+
+
+def event_word(tracker: int, high: int, low: int) -> int:
+    return (0x10 | tracker) << 17 | high << 9 | low << 1 | 1
+
+
+class TestReceiversOfTheLibrary:
+    """Worked out by hand. An event requested in clock t is in EvNoProc from t + 3 on, its word on the line from t + 5 on."""
+
+    def test_a_word_is_replaced_in_the_clock_of_its_acknowledge_and_sent_again(self) -> None:
+        other = replace(CONFIG, init_cm_low=200)
+        # Tracker 1 asks from clock 6 on, tracker 0 from 12 on, which is the clock of the acknowledge.
+        out = driven(
+            CONFIG, other, n=28, asked={range(2): (100, 200), range(9, 11): (100, 100)}, acked=[range(12, 14), range(20, 22)]
+        )
+        second, first = event_word(1, 100, 200), event_word(0, 100, 100)
+        assert low(out["m_req_n"]) == [8, 9, 10, 11, 12, 13, 18, 19, 20, 21]
+        assert out["m_word"][8:14].tolist() == [second] * 5 + [first]
+        assert out["m_word"][18:22].tolist() == [second] * 4
+        # Tracker 0 is acknowledged in clock 14, after 3 clocks in EvNoProc.
+        assert low(out["s_ack_n"]) == [1, 2, 3, 4, 10, 11, 12, 13, 14]
+
+    def test_the_request_lasts_a_clock_beyond_that_of_the_acknowledge_and_the_idle_word_is_all_ones(self) -> None:
+        out = driven(CONFIG, n=16, asked={range(2): (94, 100)}, acked=[range(7, 9)])
+        assert low(out["m_req_n"]) == [5, 6, 7, 8]
+        idle = 2**25 - 1
+        # The line is idle from clock 11 on; its word is a register.
+        assert out["m_word"].tolist() == [idle] * 5 + [event_word(0, 94, 100)] * 7 + [idle] * 4
+
+    def test_after_a_stale_acknowledge_an_event_takes_2_clocks_and_2_updates_of_the_average(self) -> None:
+        # The receiver holds its acknowledge from clock 5 to 39: the second event has no word.
+        story = {range(2): (94, 100), range(20, 22): (106, 100), range(60, 62): (100, 100)}
+        out = driven(replace(CONFIG, nev_th=3), n=90, asked=story, acked=[range(5, 40), range(68, 70), range(74, 76)])
+        assert [clock for clock in low(out["s_ack_n"]) if clock < 60] == [1, 2, 3, 4, 5, 6, 7, 21, 22, 23, 24]
+        # The average: 97, 95, 94, 94, 94, then 100, 103; the centre moves from 100 to floor(203 / 2).
+        words = [int(out["m_word"][clock]) for clock in (5, 68, 74)]
+        assert words == [event_word(0, 94, 100), event_word(0, 100, 100), 101 << 9 | 100 << 1]
+        assert low(out["m_req_n"]) == [5, 6, 68, 69, 74, 75]
+
+    def test_after_a_stale_acknowledge_the_nth_event_takes_2_clocks_as_well(self) -> None:
+        story = {range(2): (94, 100), range(20, 22): (94, 100)}
+        out = driven(replace(CONFIG, nev_th=2), n=60, asked=story, acked=[range(5, 40), range(43, 45)])
+        # Idle, ReqReceived, EvDiscri, EvProc, timing, N, twice centre; then the centre waits for the line, free from 41 on.
+        assert low(out["s_ack_n"]) == [1, 2, 3, 4, 5, 6, 7, *range(21, 28)]
+        assert low(out["m_req_n"]) == [5, 6, 43, 44]
+        assert int(out["m_word"][43]) == 97 << 9 | 100 << 1
+
+    def test_an_acknowledge_from_before_the_word_makes_an_event_a_clock_shorter(self) -> None:
+        out = driven(CONFIG, n=20, asked={range(2): (94, 100)}, acked=[range(2, 8)])
+        assert low(out["m_req_n"]) == [5]
+        assert low(out["s_ack_n"]) == [1, 2, 3, 4, 5, 6]
+
+    def test_a_receiver_that_ties_its_acknowledge_gets_one_word_and_its_tracker_goes_on(self) -> None:
+        story = {range(clock, clock + 2): (100, 100) for clock in (0, 20, 40)}
+        out = driven(CONFIG, n=60, asked=story, acked=[range(60)])
+        assert low(out["m_req_n"]) == [5]
+        assert low(out["s_ack_n"]) == [*range(1, 7), *range(21, 25), *range(41, 45)]
 
 
 class TestCascade:
@@ -303,7 +380,7 @@ def test_four_states(tmp_path: Path, top: Top) -> None:
     found = replay(tmp_path, top.module, dict(top.parameters), inputs, top.read)
     for clock, (told, row) in enumerate(zip(found, expected, strict=True)):
         for name in top.read.names or ():
-            valid = VALID_WITH.get(name)
+            valid = dict(top.valid_with).get(name)
             if clock > 0 and not (valid and row[valid]):
                 assert set(told[name]) <= set("01"), (clock, name, told[name])
                 assert int(told[name], 2) == row[name], (clock, name)

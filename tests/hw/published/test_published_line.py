@@ -59,36 +59,57 @@ def clocks(sim: PyVerilator, requests: list[int], acks: list[int]) -> list[tuple
 
 class TestStories:
     def test_a_word_appears_after_2_clocks_its_acknowledge_after_4_and_the_next_word_after_6(self, sim: PyVerilator) -> None:
-        told = clocks(sim, [0b101] * 5 + [0b111] + [0b110] * 5, [1, 1, 0, 1, 1, 1, 1, 1, 0, 1, 1])
+        told = clocks(sim, [0b101] * 5 + [0b111] + [0b110] * 6, [1, 1, 0, 0, 1, 1, 1, 1, 0, 0, 1, 1])
         words = [word for word, _ in told]
-        assert words == [None, None, 0x11, None, None, None, None, None, 0x00, None, None]
-        assert [ack for _, ack in told] == [0b111] * 4 + [0b101] * 3 + [0b111] * 3 + [0b110]
+        assert words == [None, None, 0x11, 0x11, None, None, None, None, 0x00, 0x00, None, None]
+        assert [ack for _, ack in told] == [0b111] * 4 + [0b101] * 3 + [0b111] * 3 + [0b110] * 2
+
+    def test_its_request_lasts_one_clock_beyond_that_of_the_acknowledge(self, sim: PyVerilator) -> None:
+        for wait in (0, 1, 7):
+            told = clocks(sim, [0b101] * (5 + wait) + [0b111] * 3, [1] * (2 + wait) + [0] * 2 + [1] * 4)
+            assert [word for word, _ in told] == [None] * 2 + [0x11] * (wait + 2) + [None] * 4
+
+    def test_the_word_is_all_ones_while_it_is_idle(self, sim: PyVerilator) -> None:
+        words = []
+        for request, ack in zip([0b111] * 2 + [0b101] * 5 + [0b111] * 4, [1] * 4 + [0] * 2 + [1] * 5, strict=True):
+            sim.io.s_req_n, sim.io.m_ack_n = request, ack
+            words.append(int(sim.io.m_word))
+            sim.clock.tick()
+        # Requested in clock 2, sent in 4, acknowledged in 4; idle from clock 8 on, which is seen in the one after.
+        assert words == [0xFF] * 4 + [0x11] * 5 + [0xFF] * 2
 
     def test_a_word_that_waits_gives_way_to_a_higher_rank_and_comes_later(self, sim: PyVerilator) -> None:
-        told = clocks(sim, [0b011] * 4 + [0b010] * 4 + [0b011] * 6, [1] * 6 + [0] + [1] * 5 + [0, 1])
+        told = clocks(sim, [0b011] * 4 + [0b010] * 5 + [0b011] * 6, [1] * 6 + [0, 0] + [1] * 5 + [0, 0])
         words = [word for word, _ in told]
-        assert words[2:7] == [0x22, 0x22, 0x22, 0x00, 0x00]
+        assert words[2:8] == [0x22, 0x22, 0x22, 0x00, 0x00, 0x00]
         assert [ack for _, ack in told][8] == 0b110
-        assert words[7:] == [None] * 4 + [0x22, 0x22, None]
+        assert words[8:] == [None] * 4 + [0x22] * 3
 
-    def test_it_does_not_give_way_in_the_clock_of_its_acknowledge(self, sim: PyVerilator) -> None:
-        told = clocks(sim, [0b011, 0b011, 0b010, 0b010, 0b010], [1, 1, 0, 1, 1])
-        assert told[2] == (0x22, 0b111)
-        assert told[4] == (None, 0b011)
+    def test_a_word_is_replaced_in_the_clock_of_its_acknowledge_and_comes_again_later(self, sim: PyVerilator) -> None:
+        # The acknowledge of 0x22 in clock 2 goes to sender 0, which asks from that clock on.
+        told = clocks(sim, [0b011] * 2 + [0b010] * 3 + [0b011] * 6, [1, 1, 0, 0, 1, 1, 1, 1, 0, 0, 1])
+        assert [word for word, _ in told] == [None, None, 0x22, 0x00, None, None, None, None, 0x22, 0x22, None]
+        assert [ack for _, ack in told] == [0b111] * 4 + [0b110] * 3 + [0b111] * 3 + [0b011]
+
+    def test_an_acknowledge_from_before_the_word_counts(self, sim: PyVerilator) -> None:
+        told = clocks(sim, [0b101] * 4 + [0b111] * 3, [0, 0, 0, 1, 1, 1, 1])
+        assert [word for word, _ in told] == [None, None, 0x11, None, None, None, None]
+        assert [ack for _, ack in told] == [0b111] * 3 + [0b101] * 3 + [0b111]
 
     def test_the_next_word_waits_for_the_receiver_to_release(self, sim: PyVerilator) -> None:
         told = clocks(sim, [0b101] * 5 + [0b110] * 8, [1, 1, *[0] * 8, 1, 1, 1])
-        assert [word for word, _ in told][3:] == [None] * 10
+        assert [word for word, _ in told][4:] == [None] * 9
         assert [ack for _, ack in told][4:12] == [0b101] * 8
 
-    def test_a_request_that_is_withdrawn_is_forgotten(self, sim: PyVerilator) -> None:
-        assert [word for word, _ in clocks(sim, [0b011, 0b011, 0b111, 0b111, 0b111], [1] * 5)] == [None, None, 0x22, None, None]
+    def test_a_request_that_is_withdrawn_is_forgotten_and_the_line_stays_connected(self, sim: PyVerilator) -> None:
+        told = clocks(sim, [0b011] * 2 + [0b111] * 3 + [0b101] * 2, [1] * 7)
+        assert [word for word, _ in told] == [None, None, 0x22, None, None, None, 0x11]
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_it_is_the_line_of_the_text_under_lines_that_keep_no_protocol(sim: PyVerilator, seed: int) -> None:
     rng = np.random.default_rng([81, seed])
-    text = library_line(N)
+    text = library_line(idle=2**W - 1)
     expected = next(text)
     toggles = rng.random((2_000, 4)) < rng.choice([0.05, 0.3, 0.6], 4)
     levels = np.cumsum(toggles, axis=0) & 1
@@ -98,8 +119,8 @@ def test_it_is_the_line_of_the_text_under_lines_that_keep_no_protocol(sim: PyVer
         sim.io.s_req_n = sum((not ask) << i for i, ask in enumerate(asks))
         sim.io.s_word = sum(word << W * i for i, word in requests.items())
         sim.io.m_ack_n = int(not acks)
-        word, acked = expected
-        assert (None if sim.io.m_req_n else int(sim.io.m_word)) == word
+        requested, word, acked = expected
+        assert (not sim.io.m_req_n, int(sim.io.m_word)) == (requested, word)
         assert ~int(sim.io.s_ack_n) & 0b111 == (0 if acked is None else 1 << acked)
         sent += acked is not None
         expected = text.send((requests, bool(acks)))

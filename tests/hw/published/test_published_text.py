@@ -149,3 +149,49 @@ class TestLibrary:
         before["cfg_addr"][: len(writes)], before["cfg_data"][: len(writes)] = np.array(writes).T
         text.clocks(before)
         equal(text.clocks(played.inputs), played.outputs, played.inputs, seed)
+
+    @pytest.mark.parametrize("seed", range(6))
+    @pytest.mark.parametrize("receiver", ["late", "early", "random"])
+    def test_receivers_that_acknowledge_late_early_or_at_random_with_all_trackers_competing(
+        self, receiver: str, seed: int
+    ) -> None:
+        """Late ones release late as well, so that trackers meet a stale acknowledge; early ones acknowledge without a word."""
+        rng, n = np.random.default_rng([35, seed, len(receiver)]), 5_000
+        places = np.array([(60, 60), (60, 190), (190, 60), (190, 190)])
+        configs = [
+            PublishedConfig(
+                init_cm_high=int(high), init_cm_low=int(low), init_radix=12, radix_max=20, radix_min=8,
+                nev_th=int(rng.integers(1, 6)), hist_avg=int(rng.integers(1, 4)), max_time=int(rng.choice([900, 10_000_000])),
+            )
+            for high, low in places
+        ]  # fmt: skip
+        high, low = (places[rng.integers(4, size=n)] + rng.integers(-9, 10, (n, 2))).T
+        text, inputs, told = CascadeText(), quiet(LIBRARY, n), np.zeros(n, LIBRARY.read)
+        writes = [write for i, config in enumerate(configs) for write in config.writes(i)] + [(127, 0)]
+        before = quiet(LIBRARY, len(writes) + 1)
+        before["cfg_valid"][:-1] = 1
+        before["cfg_addr"][:-1], before["cfg_data"][:-1] = np.array(writes).T
+        text.clocks(before)
+        sender, partner = Partner(rng, int(rng.choice([0, 2, 7]))), Partner(rng, int(rng.choice([2, 7, 30])))
+        toggling = noise(rng, n)
+        event = 0
+        for i in range(n):
+            wanted = {"late": text.asks, "early": not partner.low, "random": not toggling[i]}[receiver]
+            inputs["m_ack_n"][i] = toggling[i] if receiver == "random" else partner.answer(wanted)
+            requested = sender.low
+            inputs["s_req_n"][i] = sender.answer("ack" not in text.trackers[0].lines)
+            event += sender.low and not requested
+            inputs["s_high"][i], inputs["s_low"][i] = high[event], low[event]
+            inputs["m_pass_ack_n"][i] = 0
+            told[i : i + 1] = text.clocks(inputs[i : i + 1])
+        reset_cascade(LIBRARY, configs)
+        equal(rtl(LIBRARY, inputs), told, inputs, seed)
+        equal(PublishedCascade(configs).clocks(inputs), told, inputs, seed)
+
+        acks = (told["m_req_n"] == 0) & (inputs["m_ack_n"] == 0)
+        replaced = acks[:-1] & (told["m_req_n"][1:] == 0) & (told["m_word"][1:] != told["m_word"][:-1])
+        owners = {int(word) >> 17 for word in told["m_word"][acks]}
+        print(f"{receiver}, seed {seed}: {event} events, {int(replaced.sum())} replaced in the clock of the acknowledge")
+        assert event > 20
+        assert len(owners) > 2
+        assert replaced.any() or receiver == "random"

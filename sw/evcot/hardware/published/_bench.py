@@ -17,11 +17,14 @@ from ._kernel import (
     IDLE,
     LIBRARY_LINE,
     LINE_ACKED,
+    LINE_CONNECT,
     LINE_IDLE,
+    LINE_REQ_N,
     LINE_STATE,
     MASK32,
     MAX_TIME,
     NOBODY,
+    PATTERN,
     SELECTED,
     STATE,
     TC,
@@ -50,7 +53,8 @@ def _rests(c: Table, s: Table) -> bool:
         if (s[i, STATE] != IDLE or s[i, EXPIRED]) and c[SELECTED] != i:
             return False
     if c[LIBRARY_LINE]:
-        return bool(c[LINE_STATE] == LINE_IDLE and c[LINE_ACKED] == NOBODY)
+        waits = c[LINE_STATE] == LINE_IDLE or (c[LINE_STATE] == LINE_CONNECT and c[LINE_REQ_N])
+        return bool(waits and c[LINE_ACKED] == NOBODY and c[PATTERN] == 0)
     return bool(c[BUSY] == 0 and c[FREE] == 1)
 
 

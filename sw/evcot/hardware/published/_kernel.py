@@ -43,11 +43,13 @@ Row = Any
 TRACKER_FIELDS = 24
 
 # Fields of the cascade: the selected tracker, and the line that carries the words of all four. LIBRARY_LINE chooses between
-# published_line.v, with LINE_STATE, OWNER and the registers of its outputs, and aer_merge.v, with BUSY, OWNER and FREE.
-SELECTED, LIBRARY_LINE, LINE_STATE, OWNER, LINE_REQ_N, LINE_WORD, LINE_ACKED, BUSY, FREE = range(9)
-CASCADE_FIELDS = 9
+# published_line.v, with LINE_STATE, OWNER, the registers of its outputs and PATTERN, a bit for each tracker whose event its
+# pattern cell acknowledges, and aer_merge.v, with BUSY, OWNER and FREE.
+SELECTED, LIBRARY_LINE, LINE_STATE, OWNER, LINE_REQ_N, LINE_WORD, LINE_ACKED, PATTERN, BUSY, FREE = range(10)
+CASCADE_FIELDS = 10
 NOBODY = -1  # selected, or acknowledged by the line
 LINE_IDLE, LINE_CONNECT, LINE_ACKNOWLEDGE = range(3)
+IDLE_WORD = (1 << 25) - 1
 
 # Who sends on the line, in the order of rank: the centres of all trackers, then their events.
 SENDERS = 2 * TRACKERS
@@ -261,7 +263,7 @@ def requests(c: Table, s: Table, r: Table, wires: Table, at: Row, out: Row) -> N
 
     if c[LIBRARY_LINE]:
         out.m_req_n = c[LINE_REQ_N]
-        out.m_word = 0 if c[LINE_REQ_N] else c[LINE_WORD]
+        out.m_word = c[LINE_WORD]
         return
     if c[BUSY]:
         offers = _sends(s, c[OWNER])
@@ -288,34 +290,43 @@ def _library_line(c: Table, s: Table, rst: int, ack_n: int) -> None:
     c[LINE_ACKED] = NOBODY
     first = _first(s)
     if c[LINE_STATE] == LINE_IDLE:
+        c[LINE_WORD] = IDLE_WORD
         if first != NOBODY:
             c[LINE_STATE] = LINE_CONNECT
     elif c[LINE_STATE] == LINE_CONNECT:
-        if not c[LINE_REQ_N] and not ack_n:
-            c[LINE_REQ_N] = 1
-            c[LINE_STATE] = LINE_ACKNOWLEDGE
-        elif first == NOBODY:
-            c[LINE_REQ_N] = 1
-            c[LINE_STATE] = LINE_IDLE
-        else:
-            c[LINE_REQ_N] = 0
+        c[LINE_REQ_N] = first == NOBODY
+        if first != NOBODY:
             c[LINE_WORD] = _word(s, first)
             c[OWNER] = first
+        if not ack_n:
+            c[LINE_STATE] = LINE_ACKNOWLEDGE
     else:
+        c[LINE_REQ_N] = 1
         c[LINE_ACKED] = c[OWNER]
         if not _sends(s, c[OWNER]) and ack_n:
             c[LINE_STATE] = LINE_IDLE
     if rst:
-        c[LINE_STATE], c[LINE_REQ_N], c[LINE_ACKED] = LINE_IDLE, 1, NOBODY
+        c[LINE_STATE], c[OWNER], c[LINE_REQ_N], c[LINE_WORD], c[LINE_ACKED] = LINE_IDLE, 0, 1, IDLE_WORD, NOBODY
+
+
+@step
+def _pattern_cells(c: Table, s: Table, rst: int) -> None:
+    """One clock edge of the pattern cells, before that of their trackers."""
+    c[PATTERN] = 0
+    for i in range(TRACKERS):
+        if not rst and not _event_req_n(s[i]):
+            c[PATTERN] |= 1 << i
 
 
 @step
 def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
     """One clock edge of the cascade and of its registers."""
     if c[LIBRARY_LINE]:
-        acked = c[LINE_ACKED]
+        acked, answered = c[LINE_ACKED], c[PATTERN]
         _library_line(c, s, at.rst, at.m_ack_n)
+        _pattern_cells(c, s, at.rst)
     else:
+        answered = (1 << TRACKERS) - 1
         acked = NOBODY if out.m_req_n or at.m_ack_n else c[OWNER]
         c[BUSY] = not out.m_req_n
         c[FREE] = out.m_req_n and (c[FREE] or at.m_ack_n)
@@ -324,7 +335,8 @@ def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
     for i in range(TRACKERS):
         req_n = wires[i, 0] or not r[i, ENABLE]
         rst = at.rst or c[SELECTED] == i
-        _clock(s[i], r[i], rst, req_n, at.s_high, at.s_low, wires[i + 1, 1], acked != TRACKERS + i, acked != i)
+        event_ack_n = acked != TRACKERS + i or not answered >> i & 1
+        _clock(s[i], r[i], rst, req_n, at.s_high, at.s_low, wires[i + 1, 1], event_ack_n, acked != i)
     if at.cfg_valid:
         if c[SELECTED] != NOBODY:
             _write(r[c[SELECTED]], at.cfg_addr, at.cfg_data)

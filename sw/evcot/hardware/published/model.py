@@ -197,8 +197,8 @@ class PublishedCascade:
 
     Args:
         configs: registers of up to four trackers, in order; the remaining trackers stay disabled.
-        library_line: True: the published library as a whole, whose line keeps each event for 5 clocks at least, so that the
-            average is updated with it as often. False: its trackers by themselves, on a line without delay.
+        library_line: True: the published library as a whole, whose line keeps each event for 5 clocks or longer, so that
+            the average is updated with it as often. False: its trackers by themselves, on a line without delay.
 
     Raises:
         ConfigError: more than four trackers.
