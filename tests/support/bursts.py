@@ -31,7 +31,8 @@ class Square:
         """(4 side, 2): its pixels at this time; each corner stands twice."""
         along, still = np.arange(self.side), np.zeros(self.side, np.int64)
         edges = [(along, still), (along, still + self.side - 1), (still, along), (still + self.side - 1, along)]
-        return np.concatenate([np.stack(edge, axis=1) for edge in edges]) + self.corner(t_us)
+        pixels: NDArray[np.int64] = np.concatenate([np.stack(edge, axis=1) for edge in edges]) + np.array(self.corner(t_us))
+        return pixels
 
 
 def bursts(

@@ -118,7 +118,8 @@ def gap(a: tuple[int, int], b: tuple[int, int]) -> int:
 class Slot:
     """A candidate or a visible track."""
 
-    def __init__(self, number: int, r: MotionRegisters, x: int, y: int, now: int, counted: int) -> None:
+    def __init__(self, number: int, r: MotionRegisters, x: int, y: int, now: int, counted: int | None = None) -> None:
+        counted = now if counted is None else counted
         self.number, self.r, self.visible, self.id = number, r, False, 0
         self.left = False  # lost, but it may return
         self.axes = [Axis((at - r.seed_px) * PX, (at + r.seed_px) * PX) for at in (x, y)]
@@ -181,7 +182,7 @@ class Slot:
         self.count += 1
         return self.count >= self.n_ev
 
-    def correct(self, now: int, counted: int) -> None:
+    def correct(self, now: int, counted: int | None = None) -> None:
         r = self.r
         for axis in self.axes:
             part = axis.side >> r.side_shrink if r.side_shrink and not self.meets else 0
@@ -214,7 +215,9 @@ class Slot:
             for axis in self.axes:
                 axis.start = axis.lo + axis.hi
         self.n_ev = min(max(sum(axis.px for axis in self.axes), r.nev_low), r.nev_high)
-        self.deadline = counted + min(max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks)
+        self.deadline = (now if counted is None else counted) + min(
+            max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks
+        )
         self.next_rings = self.rings()
 
     def look(self) -> None:

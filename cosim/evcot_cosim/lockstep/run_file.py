@@ -18,6 +18,7 @@ import tomli_w
 from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
+from evcot.metrics.beside import truth_beside
 from evcot.outputs import RUN_FILE, written_aside
 from evcot.recordings.files import Damage, RecordingFile, open_recording
 from evcot.scenes import Scene, Truth
@@ -69,9 +70,8 @@ class Source:
 
     @property
     def truth_file(self) -> Path | None:
-        """The file to which `evcot simulate` writes the truth of a recording; None for a scene."""
-        path = Path(self.recording)
-        return None if self.is_scene else path.with_name(f"{path.stem}.truth.csv")
+        """The truth beside a recording; None for a scene, and where there is none."""
+        return None if self.is_scene else truth_beside(Path(self.recording))
 
     def read(self) -> Recording:
         """The events.

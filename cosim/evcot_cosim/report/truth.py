@@ -63,7 +63,7 @@ class Truth:
 
 
 def truth_of(source: Source, recording: Recording) -> Truth | None:
-    """The truth of a run's recording: that of its scene, or the file that `evcot simulate` writes beside a recording.
+    """The truth of a run's recording: that of its scene, or of the file beside a recording (`metrics.beside`).
 
     An unusable file is ignored with a warning.
     """
@@ -73,7 +73,7 @@ def truth_of(source: Source, recording: Recording) -> Truth | None:
         return scene_truth(scene, sensor)
     beside = source.truth_file
     try:
-        return Truth.read(beside, sensor) if beside is not None and beside.is_file() else None
+        return Truth.read(beside, sensor) if beside is not None else None
     except EvcotError as error:
         warnings.warn(f"the report goes without the truth: {error}", RecordingWarning, stacklevel=2)
         return None

@@ -15,6 +15,7 @@ import numpy as np
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.metrics import GroundTruth, Rule, load_rule, read_truth, rule_for
+from evcot.metrics.beside import TRUTH_SUFFIXES
 from evcot.metrics.of_scene import ground_truth_of
 from evcot.metrics.rule import RULES
 from evcot.recordings.files import open_recording
@@ -30,7 +31,6 @@ from .task import Input, canonical
 __all__ = ["Stream", "inputs_of", "opened", "sensor_of", "truth_of"]
 
 _KEPT_EVENTS = 8_000_000  # of the recording that was read last: about 100 MB
-_TRUTHS = (".truth.csv", "_gt.csv")  # beside NAME: what `evcot simulate` writes, and what data sets have
 _NO_RECORDINGS = (".csv", ".toml", ".json", ".html", ".md", ".png", ".parquet")
 
 
@@ -109,7 +109,7 @@ def _looks_like_one(path: Path) -> bool:
 
 
 def _truth_beside(name: str) -> str:
-    return next((beside for suffix in _TRUTHS if exists(beside := stem_of(name) + suffix)), "")
+    return next((beside for suffix in TRUTH_SUFFIXES if exists(beside := stem_of(name) + suffix)), "")
 
 
 def _content(name: str) -> str:

@@ -112,6 +112,8 @@ def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[s
         print_table(table(summary))
         columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
         print("\n" + "\n".join(verdict_lines(verdict_from(summary["verdict"]), columns)))
+        if job.source.truth_file is not None and not job.more:
+            print(f"\n{job.source.truth_file} is the truth: report.html has the scores")
         waves = ", and waves.vcd with its view waves.gtkw" if (folder / "waves.vcd").exists() else ""
         print(f"\n{folder}/ holds report.html, summary.json, run.toml, {what}{waves}")
     return 0 if summary["exact"] else MISMATCH
