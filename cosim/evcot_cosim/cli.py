@@ -62,7 +62,7 @@ def main(argv: Sequence[str] | None = None, loaded: Callable[[], None] | None = 
         argv: the words after `evcot`; None: those of this process.
         loaded: called once, when all modules that the command begins with are loaded.
     """
-    arguments = list(sys.argv[1:] if argv is None else argv)
+    arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
     options, unknown = parser().parse_known_args(arguments)
     if unknown:
         options.parser.error(f"unrecognized arguments: {' '.join(unknown)}")

@@ -145,6 +145,7 @@ class Device:
         waves: bool = True,
         verilog: Path | None = None,
     ) -> None:
+        CotConfig.check(config)
         self.config = config
         self.top: Top = top
         self.stalls = stalls or Stalls()

@@ -35,12 +35,16 @@ def page() -> Page:
     body = environment.get_template("live.html.j2").render(style=_source("style.css"), script=script).encode()
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     policy = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
+    policy += "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     return Page(
         body,
         {
             "Content-Type": "text/html; charset=utf-8",
             "Content-Length": str(len(body)),
             "Content-Security-Policy": policy,
+            "X-Frame-Options": "DENY",
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer",
             "Cache-Control": "no-store",
         },
     )

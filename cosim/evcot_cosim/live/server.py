@@ -71,7 +71,8 @@ class Server:
         self._port = self._listening.getsockname()[1]
         host = f"[{bind}]" if ":" in bind else bind
         self.url = f"http://{host}:{self._port}/"
-        self._origins: list[Any] = [f"http://{name}:{self._port}" for name in dict.fromkeys((host, "127.0.0.1", "localhost"))]
+        self._hosts = [f"{name}:{self._port}" for name in dict.fromkeys((host, "127.0.0.1", "localhost"))]
+        self._origins: list[Any] = [f"http://{name}" for name in self._hosts]
         self._page = page()
         self._viewers = 0
         self._seen = False
@@ -123,7 +124,12 @@ class Server:
                 await asyncio.sleep(_NAP_S)
 
     def _answer(self, connection: Any, request: Any) -> Any:
-        """The response to an HTTP request: the page, or None to continue with a WebSocket handshake."""
+        """The response to an HTTP request: the page, or None to continue with a WebSocket handshake.
+
+        A request for another host is refused: a page of that host, whose name was made to lead here, must not read this one.
+        """
+        if request.headers.get_all("Host") not in [[host] for host in self._hosts]:
+            return connection.respond(HTTPStatus.MISDIRECTED_REQUEST, "not this host\n")
         if request.path == _SOCKET_PATH:
             return None
         if request.path != "/":

@@ -23,7 +23,7 @@ from evcot.ticks import TickCounter, TickedEvents
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.compare import Agreement, compare
-from evcot.tracks.log import TRACK, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 
 from ..devices.base import HardwareError, Stalls
@@ -77,6 +77,10 @@ class CosimRun:
     software_s: float
     build: BuiltModel
     seed: int | None
+
+    def __repr__(self) -> str:
+        events, tracks = len(self.recording.events), len(self.hardware.of_kind(Kind.BORN))
+        return f"<CosimRun {self.recording.name}: {self.top}, {events:,} events, {tracks} hardware tracks, exact>"
 
 
 def check_addresses(recording: Recording, config: CotConfig) -> None:

@@ -16,7 +16,7 @@ from typing import Any, get_args
 import tomli_w
 
 from evcot.digest import digest
-from evcot.errors import ConfigError
+from evcot.errors import ConfigError, RecordingError, meant
 from evcot.events import Events, Recording
 from evcot.metrics.beside import truth_beside
 from evcot.outputs import RUN_FILE, written_aside
@@ -60,8 +60,16 @@ class Source:
 
     @classmethod
     def named(cls, name: str) -> Source:
-        """The source for a name on the command line: a file if it exists, else a scene of that name."""
-        return cls(name, is_scene=name in SCENES and not Path(name).exists())
+        """The source for a name on the command line: a file if it exists, else a scene of that name.
+
+        Raises:
+            RecordingError: neither a file nor a scene.
+        """
+        is_file = Path(name).exists()
+        if not is_file and name not in SCENES:
+            scenes = f"nor is it a scene, one of {', '.join(SCENES)}{meant(name, SCENES)}"
+            raise RecordingError(f"{name}: cannot be read: No such file or directory; {scenes}")
+        return cls(name, is_scene=not is_file)
 
     @property
     def name(self) -> str:

@@ -84,6 +84,13 @@ class CotConfig:
         return bool(self.filters.enable)
 
     @classmethod
+    def check(cls, config: object) -> None:
+        """Raise ConfigError if something is given as the configuration of hardware that is none."""
+        if not isinstance(config, cls):
+            rule = "must be a CotConfig, as run_config(width, height).hardware(width, height) returns it"
+            raise ConfigError(f"config is of type {type(config).__name__}: {rule}")
+
+    @classmethod
     def uniform(cls, shape: Shape, slot: SlotConfig, tick_us: int = 1) -> CotConfig:
         """A configuration with the same registers in every slot."""
         return cls(shape, (slot,) * shape.n_slots, tick_us)

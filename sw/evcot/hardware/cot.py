@@ -69,6 +69,7 @@ class CotModel:
     """
 
     def __init__(self, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> None:
+        CotConfig.check(config)
         shape = config.shape
         self.config = config
         self._regs = np.array([[getattr(slot, name) for slot in config.slots] for name in REGISTERS], np.int64)

@@ -9,6 +9,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -157,6 +158,32 @@ def test_a_misspelled_word_is_answered_with_the_right_one(typed: list[str], mean
     complaint = capsys.readouterr().err
     assert complaint.endswith(f"{meant}\n")
     assert len(complaint.splitlines()) == 2  # usage and message
+
+
+@pytest.mark.parametrize(
+    ("typed", "said", "meant"),
+    [
+        (["cosim", "boxs"], "boxs: cannot be read: No such file or directory; nor is it a scene, one of boxes,", "boxes"),
+        (["simulate", "insect", "-o", "x.npz"], "SCENE 'insect': must be one of boxes,", "insects"),
+    ],
+)
+def test_a_misspelled_scene_is_answered_with_the_right_one(typed: list[str], said: str, meant: str, capsys: Capture) -> None:
+    assert main(typed) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"evcot: {said}")
+    assert line.endswith(f"; did you mean {meant}?")
+
+
+def test_the_command_alone_prints_its_help(capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as end:
+        main([])
+    assert end.value.code == 0
+    assert "COMMAND" in capsys.readouterr().out
+
+
+def test_the_package_is_a_command_too() -> None:
+    done = subprocess.run([sys.executable, "-m", "evcot", "--version"], capture_output=True, text=True, check=True)
+    assert re.fullmatch(r"evcot \d+\.\d+\.\d+\n", done.stdout)
 
 
 def test_cosim_explains_the_words_of_its_output() -> None:

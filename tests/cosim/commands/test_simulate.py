@@ -93,7 +93,7 @@ def test_what_a_user_can_mend_ends_in_one_line_with_nothing_written(capsys: pyte
     assert refused(capsys) == f"SCENE: must be one of {names}, a video file or a folder of images"
     assert refused(capsys, "discs") == "-o FILE: must say where the recording goes"
     assert refused(capsys, "disc", "-o", "d.npz") == (
-        f"SCENE 'disc': must be one of {names}, a video file or a folder of images"
+        f"SCENE 'disc': must be one of {names}, a video file or a folder of images; did you mean discs?"
     )
     assert refused(capsys, "discs", "-o", "d.gif").startswith("d.gif: suffix '.gif': must be one of ")
     assert refused(capsys, "discs", "-o", "no/d.npz").endswith("d.npz: cannot be written: No such file or directory")

@@ -20,9 +20,11 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.ticks import TickedEvents
+from evcot.trackers.presets import run_config
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import HardwareError, Stalls
 from evcot_cosim.devices.device import Device, _order_of, arrangement_of
+from evcot_cosim.lockstep.lockstep import Lockstep
 from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
@@ -355,3 +357,14 @@ print(device.seq, sizes[-1] - sizes[9])
     events, growth = map(int, done.stdout.split())
     assert events == 2_000_000
     assert growth < 2_000_000  # one byte per event would show
+
+
+def test_a_configuration_of_another_kind_is_refused_in_one_line() -> None:
+    """`run_config` returns the configuration of a run, of which that of the hardware is a part."""
+    config: Any = run_config(346, 260)
+    for make in (Device, Lockstep, CotModel):
+        with pytest.raises(ConfigError) as caught:
+            make(config)
+        assert str(caught.value) == (
+            "config is of type RunConfig: must be a CotConfig, as run_config(width, height).hardware(width, height) returns it"
+        )

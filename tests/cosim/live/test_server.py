@@ -133,6 +133,32 @@ def test_the_page_is_one_document_that_may_fetch_nothing(server: Server) -> None
         urllib.request.urlopen(server.url + "other", timeout=10)
 
 
+def test_a_request_for_another_host_is_refused(server: Server) -> None:
+    """A name of somebody else's can be made to lead to this machine."""
+    port = int(server.url.rsplit(":", 1)[1].strip("/"))
+    upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+    upgrade += "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+    for host, status in ((f"localhost:{port}", 200), (f"evil.example:{port}", 421), ("127.0.0.1", 421), (None, 421)):
+        lines = "" if host is None else f"Host: {host}\r\n"
+        assert status_of(port, f"GET / HTTP/1.1\r\n{lines}\r\n") == status
+        if status != 200:
+            origin = f"Origin: http://127.0.0.1:{port}\r\n"
+            assert status_of(port, f"GET /events HTTP/1.1\r\n{lines}{origin}{upgrade}\r\n") == status
+
+
+def status_of(port: int, request: str) -> int:
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as connection:
+        connection.sendall(request.encode())
+        return int(connection.recv(100).split()[1])
+
+
+def test_the_page_may_not_be_framed(server: Server) -> None:
+    with urllib.request.urlopen(server.url, timeout=10) as response:
+        headers = response.headers
+    assert headers["X-Frame-Options"] == "DENY"
+    assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
+
+
 def test_no_more_than_eight_look_at_once(server: Server) -> None:
     with ExitStack() as open_pages:
         for _ in range(8):

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from evcot.errors import ConfigError
+from evcot.errors import ConfigError, meant
 from evcot.events import Events
 from evcot.outputs import written_aside
 from evcot.ranges import read_pair
@@ -78,7 +78,8 @@ def _footage(options: argparse.Namespace) -> dict[str, Any]:
 
     path = Path(options.scene)
     if not path.exists():
-        raise ConfigError(f"SCENE {options.scene!r}: must be one of {', '.join(SCENES)}, a video file or a folder of images")
+        rule = f"must be one of {', '.join(SCENES)}, a video file or a folder of images"
+        raise ConfigError(f"SCENE {options.scene!r}: {rule}{meant(options.scene, SCENES)}")
     for option in ("sensor", "truth"):
         if getattr(options, option) is not None:
             raise ConfigError(f"--{option}: must not be given for footage, whose sensor is its own and whose truth is unknown")
