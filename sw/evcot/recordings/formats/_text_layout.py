@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ._text_kernel import UNUSED, P, T, X, Y
-from .column_order import SAMPLED_ROWS, column_order
+from .column_order import SAMPLED_ROWS, column_order, order_text
 from .fields import UNITS, Naming, find_fields
 from .printable import whole_number
 from .source import Sensor
@@ -31,6 +31,7 @@ _RULES = {X: _ADDRESS, Y: _ADDRESS, P: "must be 0, 1 or -1, or true or false", U
 _TRUTHS = {"true": "1", "false": "0"}
 _GEOMETRY = re.compile(r"[#%]\s*geometry[:=\s]\s*(\d+)\s*[,x]\s*(\d+)", re.IGNORECASE)  # Metavision's
 _EVENT_START = re.compile(r"[-+.0-9]|(true|false)\b", re.IGNORECASE)
+_JUDGED_CELLS = 8
 _SHOWN = 60  # characters of a line in a message
 
 
@@ -44,7 +45,7 @@ class Layout:
         columns: (k,) int8, the field in each cell: T, X, Y, P or UNUSED.
         power, exact: times are in units of 10**power us, and must be whole microseconds if `exact`.
         sensor: (width, height) in pixels, if stated.
-        unnamed_order: the order of columns without names, "txyp" unless their values show another.
+        unnamed_order: the order of columns without names, such as "t, x, y, p"; empty where they have names.
     """
 
     offset: int
@@ -54,7 +55,7 @@ class Layout:
     power: int
     exact: bool
     sensor: Sensor | None
-    unnamed_order: str = "txyp"
+    unnamed_order: str = ""
 
     @property
     def needs_newline(self) -> bool:
@@ -137,7 +138,7 @@ def read_layout(file: BinaryIO) -> Layout:
                     return _layout(offset, lines, _separator(line), cells, naming, sensor)
                 order = _order(file, cells, _separator(line))
                 layout = _layout(offset, lines, _separator(line), cells, Naming(order, None), sensor)
-                return replace(layout, unnamed_order="".join(name for _, name in sorted(zip(order, "txyp", strict=True))))
+                return replace(layout, unnamed_order=order_text(order))
             sensor = _side(cells[0], lines), _side(cells[1], lines)
         offset, lines = offset + len(raw), lines + 1
     return _layout(offset, lines, " ", [], naming, sensor)
@@ -149,15 +150,15 @@ def _order(file: BinaryIO, event: Sequence[str], separator: str) -> tuple[int, i
     cells = event
     while len(rows) < SAMPLED_ROWS:
         try:
-            rows.append([float(_TRUTHS.get(cell.lower(), cell)) for cell in cells[:4]])
+            row = [float(_TRUTHS.get(cell.lower(), cell)) for cell in cells[:_JUDGED_CELLS]]
         except ValueError:
             break
-        if len(rows[-1]) < 4:
+        if len(row) < 4 or (rows and len(row) != len(rows[0])):
             break
+        rows.append(row)
         raw = file.readline(LONGEST_LINE_BYTES)
         cells = _cells(raw.decode("utf-8", "replace").strip(" \r\n"), separator)
-    rows = [row for row in rows if len(row) == 4]
-    return column_order(np.array(rows).reshape(-1, 4))
+    return column_order(np.array(rows).reshape(len(rows), -1) if rows else np.empty((0, 4)))
 
 
 def _header(line: str) -> tuple[Naming, Sensor | None]:

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The order of four columns without names, judged by their first values.
 
-It is t, x, y, p unless these values cannot be that, and can be one of the other orders in use: x, y, t, p; x, y, p, t
-(Metavision, eDVS); p, t, x, y; p, x, y, t.
+The orders in use are t, x, y, p; x, y, t, p; x, y, p, t (Metavision, eDVS); p, t, x, y; and p, x, y, t. An order is possible if
+its x and y can be addresses and its p can be a polarity. Of the possible ones:
+
+1. A time that cannot be an address (fractions, or above 65535) settles the order, however few the rows are.
+2. Else, with 16 rows or more, it is the first order whose times hardly ever run back, and do not all stand still.
+3. If times run back in more than a quarter of the rows in every order, the columns are in none of these.
 """
 
 from __future__ import annotations
@@ -12,33 +16,68 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SAMPLED_ROWS", "column_order"]
+from ...errors import RecordingError
+
+__all__ = ["SAMPLED_ROWS", "column_order", "order_text"]
 
 Order = tuple[int, int, int, int]  # the columns of t, x, y, p
 
 SAMPLED_ROWS = 256
-_FEWEST_ROWS = 16  # with less, nothing is concluded
-_USUAL: Order = (0, 1, 2, 3)
-_OTHERS: tuple[Order, ...] = ((2, 0, 1, 3), (3, 0, 1, 2), (1, 2, 3, 0), (3, 1, 2, 0))
+_FEWEST_ROWS = 16  # with less, how times go on says nothing
+_ORDERS: tuple[Order, ...] = ((0, 1, 2, 3), (2, 0, 1, 3), (3, 0, 1, 2), (1, 2, 3, 0), (3, 1, 2, 0))
+_DISORDER = 0.05  # share of rows that may run back in a recording: drivers and mergers swap neighbours
+_NO_TIME = 0.25  # share of rows that run back, from which on a column is no time; of an address it is about a half
 
 
 def column_order(sample: NDArray[Any]) -> Order:
-    """The columns of t, x, y, p in (n, 4) numbers, the first `SAMPLED_ROWS` rows."""
+    """The columns of t, x, y, p among the first four of (n, 4 or more) numbers, the first `SAMPLED_ROWS` rows.
+
+    Raises:
+        RecordingError: in every possible order, times run back in more than a quarter of the rows.
+    """
     with np.errstate(invalid="ignore", over="ignore"):
         columns = np.asarray(sample, np.float64).T
-        if columns.shape[1] < _FEWEST_ROWS or _can_be(columns, _USUAL):
-            return _USUAL
-        return next((order for order in _OTHERS if _can_be(columns, order) and _is_time(columns, order)), _USUAL)
+        possible = [order for order in _ORDERS if _is_possible(columns, order)]
+        settled = [order for order in possible if _is_no_address(columns[order[0]])]
+        enough = columns.shape[1] >= _FEWEST_ROWS
+        back = [_back(column) for column in columns]
+
+        def rank(order: Order) -> tuple[bool, bool]:
+            t = columns[order[0]]
+            return back[order[0]] > _DISORDER, bool(len(t)) and float(np.ptp(t)) == 0
+
+        among = settled or (possible if enough else [_ORDERS[0]]) or [_ORDERS[0]]
+        found = min(among, key=rank)
+        if enough and possible and back[found[0]] > _NO_TIME:
+            times = [f"column {i + 1}" for i, share in enumerate(back) if share <= _DISORDER and np.ptp(columns[i]) > 0]
+            looks = f"; {' or '.join(times)} goes on as a time does" if times else ""
+            share = f"{100 * back[found[0]]:.0f} %"
+            raise RecordingError(
+                f"columns without names: as {order_text(found)}, times would run back in {share} of the first rows{looks}: "
+                "must be t,x,y,p, x,y,t,p, x,y,p,t, p,t,x,y or p,x,y,t, or be named in a first line such as y,x,other,p,t"
+            )
+        return found
 
 
-def _can_be(columns: NDArray[np.float64], order: Order) -> bool:
-    t, p = columns[order[0]], columns[order[3]]
-    places = columns[list(order[1:3])]
-    is_address = bool(((places >= 0) & (places <= 65535) & (places == np.rint(places))).all())
-    return bool((np.diff(t) >= 0).all()) and is_address and bool(np.isin(p, (-1, 0, 1)).all())
+def order_text(order: Order) -> str:
+    """An order as text, such as "x, y, t, p"."""
+    return ", ".join(name for _, name in sorted(zip(order, "txyp", strict=True)))
 
 
-def _is_time(columns: NDArray[np.float64], order: Order) -> bool:
-    """Whether the times go on, and are not what x or y could be: further apart than these, or fractions of seconds."""
-    t, x, y, _ = columns[list(order)]
-    return bool(np.ptp(t) > max(np.ptp(x), np.ptp(y)) or (np.ptp(t) > 0 and (t != np.rint(t)).any()))
+def _is_address(column: NDArray[np.float64]) -> bool:
+    return bool(((column >= 0) & (column <= 65535) & (column == np.rint(column))).all())
+
+
+def _is_no_address(column: NDArray[np.float64]) -> bool:
+    """Whether values are above all addresses, or most of them fractions."""
+    return bool((column > 65535).any()) or bool((column != np.rint(column)).mean() > 0.5 if len(column) else False)
+
+
+def _is_possible(columns: NDArray[np.float64], order: Order) -> bool:
+    _, x, y, p = (columns[i] for i in order)
+    return _is_address(x) and _is_address(y) and bool(np.isin(p, (-1, 0, 1)).all())
+
+
+def _back(column: NDArray[np.float64]) -> float:
+    """The share of rows whose value is below that of the row before."""
+    return float((np.diff(column) < 0).mean()) if len(column) > 1 else 0.0

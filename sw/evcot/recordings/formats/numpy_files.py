@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
-from .column_order import SAMPLED_ROWS, column_order
+from .column_order import SAMPLED_ROWS, column_order, order_text
 from .fields import UNITS, find_fields
 from .numeric import microseconds, whole_numbers
 from .numpy_arrays import StoredArray, npy_array, npz_arrays
@@ -169,15 +169,14 @@ def _of_one_array(array: StoredArray) -> _NumpySource:
     else:
         rows = array.rows_as_records()
         columns = [_Column(rows, name) for name in rows.dtype.names or ()]
-    order = _order_of(columns) if array.dtype.kind in "iubf" else range(4)
+    order = _order_of(columns) if array.dtype.kind in "iubf" else (0, 1, 2, 3)
     source = _NumpySource([columns[i] for i in order], None)
-    if list(order) != [0, 1, 2, 3]:
-        names = (name for _, name in sorted(zip(order, "txyp", strict=True)))
-        source.details["columns"] = f"{', '.join(names)}, by their values"
+    assumed = f"{order_text(order)}, assumed by their values; an array with fields t, x, y, p names them"
+    source.details["columns"] = assumed
     return source
 
 
-def _order_of(columns: Sequence[_Column]) -> Sequence[int]:
+def _order_of(columns: Sequence[_Column]) -> tuple[int, int, int, int]:
     """Which columns are t, x, y, p, by their first values."""
     values = [_first_values(column) for column in columns]
     shortest = min(map(len, values))

@@ -58,8 +58,10 @@ class _TextSource:
             self._size = file.seek(0, 2)
         self.sensor = self._layout.sensor
         self.details = {"separator": SEPARATORS[self._layout.separator], "times in": UNITS[self._layout.power]}
-        if self._layout.unnamed_order != "txyp":
-            self.details["columns"] = f"{', '.join(self._layout.unnamed_order)}, by their values"
+        if self._layout.unnamed_order:
+            self.details["columns"] = (
+                f"{self._layout.unnamed_order}, assumed by their values; a first line such as x,y,t,p names them"
+            )
         self.left_out: Counter[str] = Counter()
         self.remarks: list[str] = []
 

@@ -40,24 +40,57 @@ def test_the_orders_in_use_are_told_apart(order: str) -> None:
 
 
 @pytest.mark.parametrize("order", ["".join(each) for each in permutations("txyp") if "".join(each) not in KNOWN])
-def test_x_and_y_exchanged_cannot_be_told_and_anything_else_is_taken_for_the_usual_order(order: str) -> None:
-    exchanged = order.replace("x", "-").replace("y", "x").replace("-", "y")
-    wanted = exchanged if exchanged in KNOWN else "txyp"
-    assert column_order(table(order)) == tuple(wanted.index(name) for name in "txyp")
+def test_x_and_y_exchanged_are_not_noticed_and_other_orders_are_refused(order: str) -> None:
+    exchanged = order.translate(str.maketrans("xy", "yx"))
+    if exchanged in KNOWN:
+        assert column_order(table(order)) == tuple(exchanged.index(name) for name in "txyp")
+    elif any(_possible(order, known) for known in KNOWN):
+        with pytest.raises(RecordingError, match="columns without names: as "):
+            column_order(table(order))
+    else:
+        assert column_order(table(order)) == (0, 1, 2, 3)  # the reader then names the first value that is out of its range
+
+
+def _possible(order: str, known: str) -> bool:
+    """Whether the columns in `order` can be read in the order `known`: places are addresses, and p is p."""
+    meant = dict(zip(known, order, strict=True))
+    return meant["p"] == "p" and "t" not in (meant["x"], meant["y"])
+
+
+def test_a_time_that_is_no_address_settles_the_order_however_few_the_rows() -> None:
+    for n in (1, 2, 5, 15):
+        assert column_order(table("xypt", t=COLUMNS["t"] + 6_437_104)[:n]) == (3, 0, 1, 2)
+        assert column_order(table("pxyt", t=COLUMNS["t"] * 1e-6 + 0.5)[:n]) == (3, 1, 2, 0)
+    assert column_order(table("xypt", t=np.full(COUNT, 6_437_104))) == (3, 0, 1, 2), "equal times"
+
+
+def test_dense_times_equal_times_and_slight_disorder_do_not_flip_it() -> None:
+    dense = np.arange(COUNT) // 40 + 7
+    swapped = dense.copy()
+    swapped[[50, 51]] = 9, 7
+    for t in (dense, swapped, np.arange(COUNT) // 2 + 1000):
+        assert column_order(table("xytp", t=t)) == (2, 0, 1, 3)
+        assert column_order(table("txyp", t=t)) == (0, 1, 2, 3)
+
+
+def test_columns_in_no_order_are_refused_with_what_looks_like_the_time() -> None:
+    """As CeleX writes them: y, x, brightness, polarity, time."""
+    rng = np.random.default_rng(1)
+    celex = np.stack([*rng.integers(0, 250, (3, 64)), rng.integers(0, 2, 64), np.arange(64)], axis=1)
+    with pytest.raises(
+        RecordingError, match=r"as t, x, y, p, times would run back in \d+ % .*; column 5 goes on as a time does: "
+    ):
+        column_order(celex)
 
 
 def test_what_may_be_the_usual_order_is() -> None:
-    """Few rows; small numbers that could be anything; times that run back; polarities of something else."""
+    """Few rows; small numbers that could be anything; polarities of something else."""
     ones = np.ones(COUNT, int)
     for rows in (
-        table("xypt")[:15],
         table("txyp", t=np.arange(COUNT), x=ones, y=ones),
-        table("txyp", t=COLUMNS["t"][::-1]),
         table("txyp", p=7 * ones),
         table("txyp", x=-ones),
-        table("xypt", t=COLUMNS["t"][::-1]),
         table("xypt", x=COLUMNS["x"] + 0.5),
-        table("xytp", t=np.arange(COUNT) // 10),  # no further apart than the rows of a sensor
         np.full((COUNT, 4), np.inf),
         np.empty((0, 4)),
     ):
@@ -79,7 +112,7 @@ def test_text_and_arrays_are_read_in_the_order_that_they_have(tmp_path: Path, or
     for path in (text, rows, columns):
         with open_recording(path) as file:
             assert_same(file.read().events)
-            assert file.details.get("columns") == (None if order == "txyp" else f"{', '.join(order)}, by their values")
+            assert file.details["columns"].startswith(f"{', '.join(order)}, assumed by their values; ")
     assert_same(read_recording(rows, from_us=0).events)
 
 

@@ -93,7 +93,8 @@ def test_the_sensor_is_given_or_stated_or_the_smallest_that_holds_every_event(pa
 def test_the_file_s_layout_is_told(path: Path) -> None:
     path.write_text("0.5;1;2;1\n")
     with open_recording(path) as file:
-        assert file.details == {"separator": "semicolon", "times in": "seconds"}
+        assumed = "t, x, y, p, assumed by their values; a first line such as x,y,t,p names them"
+        assert file.details == {"separator": "semicolon", "times in": "seconds", "columns": assumed}
 
 
 @pytest.mark.parametrize(
@@ -123,7 +124,7 @@ WHOLE_US = "must be a whole number of microseconds, below 2^63 us"
         ("10010,1,2,1\n9,1,2,1\n", "event 1: t = 9 us follows t = 10010 us: time must not run back"),
         ("10,1,2,1\n11,1,2,3\n", "event 1: p = 3: must be 0 or 1"),
         ("10,-1,2,1\n", "line 1: x = '-1': must be a whole number from 0 to 65535"),
-        ("#\n\n10,1,70000,1\n", "line 3: y = '70000': must be a whole number from 0 to 65535"),
+        ("#\n\nt,x,y,p\n10,1,70000,1\n", "line 4: y = '70000': must be a whole number from 0 to 65535"),
         ("10,65536,2,1\n", "line 1: x = '65536': must be a whole number from 0 to 65535"),
         ("10,1,2,1\n10,1,2.0000000000000000000001,1\n",
          "line 2: y = '2.0000000000000000000001': must be a whole number from 0 to 65535"),
