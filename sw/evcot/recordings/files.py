@@ -259,6 +259,9 @@ def open_recording(
         raise
 
 
+_LFS = b"version https://git-lfs.github.com/spec/"
+
+
 def _open(path: Path, struct: str | None) -> tuple[str, Source]:
     start = b""
     if path.is_file():
@@ -270,6 +273,8 @@ def _open(path: Path, struct: str | None) -> tuple[str, Source]:
         raise FileNotFoundError(2, "No such file or directory")
     elif not path.is_dir():
         raise RecordingError("is a device or a pipe: must be a file")
+    if start.startswith(_LFS):
+        raise RecordingError("is a pointer of Git LFS, without the data: get these with `git lfs pull`")
     for kind in FORMATS:
         if kind.matches(start, path):
             if struct is None:

@@ -56,6 +56,7 @@ class Layout:
     exact: bool
     sensor: Sensor | None
     unnamed_order: str = ""
+    decimal_comma: bool = False
 
     @property
     def needs_newline(self) -> bool:
@@ -101,6 +102,8 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _separator(line: str) -> str:
+    if line.count(";") >= 3:  # commas are then decimal marks
+        return ";"
     return next((mark for mark in ",;" if mark in line), "\t" if line.count("\t") >= 3 else " ")
 
 
@@ -150,7 +153,8 @@ def _order(file: BinaryIO, event: Sequence[str], separator: str) -> tuple[int, i
     cells = event
     while len(rows) < SAMPLED_ROWS:
         try:
-            row = [float(_TRUTHS.get(cell.lower(), cell)) for cell in cells[:_JUDGED_CELLS]]
+            plain = [cell.replace(",", ".") if separator == ";" else cell for cell in cells[:_JUDGED_CELLS]]
+            row = [float(_TRUTHS.get(cell.lower(), cell)) for cell in plain]
         except ValueError:
             break
         if len(row) < 4 or (rows and len(row) != len(rows[0])):
@@ -188,7 +192,9 @@ def _layout(
     places = (0, 1, 2, 3) if naming is None else naming.columns
     columns = np.full(max(*places, len(event) - 1) + 1, UNUSED, np.int8)
     columns[list(places)] = T, X, Y, P
+    decimal_comma = separator == ";" and any("," in cell for cell in event)
     if naming is not None and naming.power is not None:
-        return Layout(offset, lines, separator, columns, naming.power, False, sensor)
-    in_seconds = places[0] < len(event) and any(mark in event[places[0]] for mark in ".eE")
-    return Layout(offset, lines, separator, columns, 6 if in_seconds else 0, not in_seconds, sensor)
+        return Layout(offset, lines, separator, columns, naming.power, False, sensor, decimal_comma=decimal_comma)
+    in_seconds = places[0] < len(event) and any(mark in event[places[0]] for mark in ".,eE")
+    power = 6 if in_seconds else 0
+    return Layout(offset, lines, separator, columns, power, not in_seconds, sensor, decimal_comma=decimal_comma)

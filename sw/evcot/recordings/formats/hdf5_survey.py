@@ -42,6 +42,7 @@ NAMES = {
 # A row per event: of floating-point numbers in MVSEC, of whole ones in v2e.
 _FLOAT_MATRIX = {"x": 0, "y": 1, "t": 2, "p": 3}
 _WHOLE_MATRIX = {"t": 0, "x": 1, "y": 2, "p": 3}
+_DEEPEST_GROUP, _MOST_GROUPS = 4, 1000  # in which events are looked for where no place is a known one
 # A dataset in a single compressed chunk has to be in memory as a whole, and so has every other column.
 _MOST_CHUNK_BYTES = 1 << 28
 _MOST_MEMORY_BYTES = 1 << 29  # limit for the survey process itself
@@ -90,6 +91,8 @@ def _survey(path: str, matlab: bool, first: str) -> Survey:
         size = Path(path).stat().st_size
         places = [(name, "") for name in file if name != "#refs#"] if matlab else _PLACES
         present = sorted((place for place in places if _is_here(file, place[0])), key=lambda place: place[0] != first)
+        if not any(_columns(file[place]) for place, _ in present):
+            present = [(place, "") for place in _groups(file)]
         for at, (place, index) in enumerate(present):
             columns = _columns(file[place])
             if columns:
@@ -114,6 +117,20 @@ def _survey(path: str, matlab: bool, first: str) -> Survey:
                 }
         found = ", ".join(sorted(file)[:8]) or "nothing"
         raise _Refusal(f"holds no events in a known layout: has {found} at its top level")
+
+
+def _groups(file: Any) -> list[str]:
+    """The groups, in order, whose members have the names of t, x, y and p; down to a depth, and not all of a huge file."""
+    found: list[str] = []
+    waiting = [(name, 1) for name in sorted(file)]
+    for name, depth in waiting:
+        if len(waiting) > _MOST_GROUPS or not hasattr(file[name], "keys"):
+            continue
+        if _columns(file[name]):
+            found.append(name)
+        elif depth < _DEEPEST_GROUP:
+            waiting += [(f"{name}/{member}", depth + 1) for member in sorted(file[name])]
+    return found
 
 
 def _is_here(file: Any, name: str) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 
-__all__ = ["RECORD", "events_from_numbers", "events_from_records", "microseconds", "whole_numbers"]
+__all__ = ["RECORD", "events_from_numbers", "events_from_records", "microseconds", "polarities", "whole_numbers"]
 
 _Width = TypeVar("_Width", bound=np.integer[Any])
 # Above this, floating-point numbers cannot represent every microsecond; and sums of times stay within 64 bits.
@@ -62,6 +62,18 @@ def whole_numbers(
         return np.ascontiguousarray(values, dtype)
     limits = np.iinfo(dtype)
     return _filled(name, values, dtype, (limits.min, limits.max), first_index, signed=signed)
+
+
+def polarities(values: NDArray[Any], first_index: int = 0) -> NDArray[np.uint8]:
+    """Convert (n,) polarities: 1 or true; 0, -1 or false. In an unsigned type, -1 is stored as the largest number.
+
+    Raises:
+        RecordingError: another value.
+    """
+    if values.dtype.kind == "u":
+        minus_one = values == np.iinfo(values.dtype).max
+        values = np.where(minus_one, values.dtype.type(0), values) if minus_one.any() else values
+    return whole_numbers("p", values, np.uint8, first_index, signed=values.dtype.kind in "if")
 
 
 def microseconds(values: NDArray[Any], first_index: int = 0, t0_us: int = 0) -> NDArray[np.int64]:
@@ -156,5 +168,5 @@ def events_from_numbers(
         t_us=microseconds(t, first_index, t0_us),
         x=whole_numbers("x", x, np.uint16, first_index),
         y=whole_numbers("y", y, np.uint16, first_index),
-        p=whole_numbers("p", p, np.uint8, first_index, signed=p.dtype.kind in "if"),
+        p=polarities(p, first_index),
     )

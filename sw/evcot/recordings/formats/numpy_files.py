@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +23,7 @@ from ...errors import RecordingError
 from ...events import Events
 from .column_order import SAMPLED_ROWS, column_order, order_text
 from .fields import UNITS, find_fields
-from .numeric import microseconds, whole_numbers
+from .numeric import microseconds, polarities, whole_numbers
 from .numpy_arrays import StoredArray, npy_array, npz_arrays
 from .source import BLOCK_EVENTS, Format, Sensor
 
@@ -38,13 +38,15 @@ class _Column:
 
     array: StoredArray
     field: str | None = None
+    lowest_bit: bool = False
 
     @property
     def type(self) -> np.dtype[Any]:
         return self.array.dtype if self.field is None else self.array.dtype[self.field]
 
     def of(self, rows: NDArray[Any]) -> NDArray[Any]:
-        return rows if self.field is None else rows[self.field]
+        values = rows if self.field is None else rows[self.field]
+        return values & 1 if self.lowest_bit and values.dtype.kind in "iu" else values
 
 
 class _NumpySource:
@@ -100,7 +102,7 @@ class _NumpySource:
             t_us=_microseconds(t, self._power, first_index),
             x=whole_numbers("x", x, np.uint16, first_index),
             y=whole_numbers("y", y, np.uint16, first_index),
-            p=whole_numbers("p", p, np.uint8, first_index, signed=p.dtype.kind in "if"),
+            p=polarities(p, first_index),
         )
 
     def _first_from(self, from_us: int) -> int:
@@ -196,6 +198,8 @@ def _open_npz(path: Path) -> _NumpySource:
     only = next(iter(arrays.values())) if len(arrays) == 1 else None
     if only is not None and (only.dtype.names or len(only.shape) == 2):
         return _of_one_array(only)
+    if {"events_t", "events_xy", "events_p"} <= arrays.keys() and len(arrays["events_xy"].shape) == 2:
+        return _open_evimo(arrays)
     names = list(arrays)
     try:
         naming = find_fields(names)
@@ -203,6 +207,24 @@ def _open_npz(path: Path) -> _NumpySource:
         raise RecordingError(f"has arrays {', '.join(map(repr, names))}: {error}") from error
     sensor = (_number(arrays["width"]), _number(arrays["height"])) if {"width", "height"} <= arrays.keys() else None
     return _NumpySource([_Column(arrays[names[i]]) for i in naming.columns], naming.power, sensor)
+
+
+def _open_evimo(arrays: Mapping[str, StoredArray]) -> _NumpySource:
+    """The arrays of EVIMO and EVIMO2: times in seconds, places in pairs. https://better-flow.github.io/evimo"""
+    pairs = arrays["events_xy"]
+    if pairs.shape[1] != 2 or pairs.fortran_order:
+        raise RecordingError(f"events_xy: is {pairs.shape} of {pairs.dtype}: must be (n, 2), row by row")
+    places = pairs.rows_as_records()
+    x, y = places.dtype.names or ()
+    columns = [
+        _Column(arrays["events_t"]),
+        _Column(places, x),
+        _Column(places, y),
+        _Column(arrays["events_p"], lowest_bit=True),
+    ]
+    source = _NumpySource(columns, 6)
+    source.details["polarity"] = "the lowest bit of events_p"
+    return source
 
 
 def _number(array: StoredArray) -> int:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, npz_sink, numpy_files, prophesee, ros, text
+from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, nmnist, npz_sink, numpy_files, prophesee, ros, text
 from .source import Format, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
@@ -18,6 +18,7 @@ FORMATS: tuple[Format, ...] = (
     *numpy_files.FORMATS,
     *prophesee.FORMATS,
     *ros.FORMATS,
+    *nmnist.FORMATS,
     *text.FORMATS,  # last: almost anything printable looks like text
 )
 

@@ -58,6 +58,8 @@ class _TextSource:
             self._size = file.seek(0, 2)
         self.sensor = self._layout.sensor
         self.details = {"separator": SEPARATORS[self._layout.separator], "times in": UNITS[self._layout.power]}
+        if self._layout.decimal_comma:
+            self.details["decimal mark"] = "comma"
         if self._layout.unnamed_order:
             self.details["columns"] = (
                 f"{self._layout.unnamed_order}, assumed by their values; a first line such as x,y,t,p names them"
@@ -109,6 +111,8 @@ class _TextSource:
         """The events of a piece up to the first invalid line."""
         text, length = piece
         layout = self._layout
+        if layout.decimal_comma:
+            text[text == ord(",")] = ord(".")
         events = Events.allocated(length // SHORTEST_LINE_BYTES + 1)
         count, lines, cell = parse_lines(
             text, length, ord(layout.separator), layout.columns, layout.power, layout.exact,

@@ -362,3 +362,21 @@ def test_whole_records_mean_what_columns_mean(tmp_path: Path, p: list[int], want
     events = read_recording(path).events
     assert (events.t_us.tolist(), events.x.tolist(), events.y.tolist()) == ([10, 11, 12], [5, 6, 7], [1, 2, 3])
     assert events.p.tolist() == wanted
+
+
+@pytest.mark.parametrize("place", ["raw_events", "camera/left/dvs"])
+def test_events_in_a_group_of_any_name(place: str, tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        group = file.create_group(place)
+        file.create_dataset("frames/t", data=np.arange(9))
+        for name, values in (
+            ("t", np.arange(4) * 1e-6),
+            ("x", [1, 2, 3, 4]),
+            ("y", [5, 6, 7, 8]),
+            ("p", [True, False, True, True]),
+        ):
+            group.create_dataset(name, data=values)
+    with open_recording(tmp_path / "a.h5") as found:
+        assert found.details["events"] == place
+        events = found.read().events
+    assert (events.t_us.tolist(), events.x.tolist(), events.p.tolist()) == ([0, 1, 2, 3], [1, 2, 3, 4], [1, 0, 1, 1])

@@ -278,3 +278,28 @@ def test_arrays_may_be_called_as_those_of_hdf5(tmp_path: Path, names: tuple[str,
     columns = (EVENTS.t_us, EVENTS.x, EVENTS.y, EVENTS.p.astype(bool))
     np.savez(tmp_path / "events.npz", **dict(zip(names, columns, strict=True)))
     assert_same(read_recording(tmp_path / "events.npz").events, EVENTS)
+
+
+def test_arrays_of_evimo(tmp_path: Path) -> None:
+    """Times in seconds of 32 bits, places in pairs; the lowest bit of p is the polarity."""
+    t_s = np.array([1.9e-5, 2.05e-4, 0.5], np.float32)
+    places, p = np.array([[50, 102], [52, 104], [1, 2]], np.uint16), np.array([3, 2, 1], np.uint8)
+    np.savez(tmp_path / "a.npz", events_t=t_s, events_xy=places, events_p=p, meta=np.zeros(3))
+    with open_recording(tmp_path / "a.npz") as file:
+        events = file.read().events
+        assert file.details["polarity"] == "the lowest bit of events_p"
+    assert events.t_us.tolist() == [19, 205, 500_000]
+    assert (events.x.tolist(), events.y.tolist(), events.p.tolist()) == ([50, 52, 1], [102, 104, 2], [1, 0, 1])
+    np.savez(tmp_path / "b.npz", events_t=t_s, events_xy=np.zeros((3, 3)), events_p=p)
+    with pytest.raises(RecordingError, match=r"events_xy: is \(3, 3\) of float64: must be \(n, 2\), row by row"):
+        read_recording(tmp_path / "b.npz")
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.uint32, np.uint64])
+def test_a_polarity_of_minus_one_in_an_unsigned_type(dtype: type[np.uint8], tmp_path: Path) -> None:
+    p = np.array([1, -1, 0, -1]).astype(dtype)
+    np.savez(tmp_path / "a.npz", t=np.arange(4), x=np.arange(4), y=np.arange(4), p=p)
+    assert read_recording(tmp_path / "a.npz").events.p.tolist() == [1, 0, 0, 0]
+    np.savez(tmp_path / "a.npz", t=np.arange(4), x=np.arange(4), y=np.arange(4), p=p - dtype(1))
+    with pytest.raises(RecordingError, match=r"event 1: p = \d+: must be "):
+        read_recording(tmp_path / "a.npz")

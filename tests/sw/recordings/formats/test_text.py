@@ -238,3 +238,21 @@ def test_a_damaged_file_is_refused_or_read(tmp_path: Path) -> None:
     content = "346 260\n" + "".join(f"{i / 7:.6f} {i} {i} {i % 2}\n" for i in range(50))
     outcomes = fuzz(path, content.encode(), usual=1_000, seed=2)
     assert min(outcomes.refused, outcomes.read) > 100
+
+
+def test_decimal_commas_between_semicolons(path: Path) -> None:
+    for head in ("t;x;y;p\n", ""):
+        path.write_text(head + "0,000019;50;102;0\n0,000205;52;104;1\n")
+        with open_recording(path) as file:
+            events = file.read().events
+            assert (events.t_us.tolist(), events.x.tolist(), events.y.tolist()) == ([19, 205], [50, 52], [102, 104])
+            assert file.details["decimal mark"] == "comma"
+    path.write_text("t;x;y;p\n0,000019;50;1,5;0\n")
+    with pytest.raises(RecordingError, match=r"line 2: y = '1,5': must be a whole number"):
+        read_recording(path)
+
+
+def test_a_pointer_of_git_lfs_is_named(path: Path) -> None:
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a2146\nsize 12345\n")
+    with pytest.raises(RecordingError, match="is a pointer of Git LFS, without the data: get these with `git lfs pull`"):
+        read_recording(path)
