@@ -57,6 +57,21 @@ class Events:
         """Uninitialised arrays for `count` events."""
         return cls(np.empty(count, np.int64), np.empty(count, np.uint16), np.empty(count, np.uint16), np.empty(count, np.uint8))
 
+    def __repr__(self) -> str:
+        if not len(self.t_us):
+            return "<Events: none>"
+        return f"<Events: {len(self.t_us):,}, from {int(self.t_us[0]):,} to {int(self.t_us[-1]):,} us>"
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        """A structured array as `to_array` makes it, for `numpy.asarray`; always a copy.
+
+        Raises:
+            ValueError: `copy` is False.
+        """
+        if copy is False:
+            raise ValueError("copy = False: must be True or None: the columns of events do not lie side by side")
+        return self.to_array() if dtype is None else self.to_array(dtype)
+
     @classmethod
     def empty(cls) -> Events:
         """No events."""
@@ -113,6 +128,9 @@ class Events:
         return Events(self.t_us.copy(), self.x.copy(), self.y.copy(), self.p.copy())
 
 
+MOST_PIXELS = 1 << 24  # 4096x4096: 20 times what event cameras have, and at most 1.5 GB in any tracker, filter or picture
+
+
 @dataclass(frozen=True)
 class Fault:
     """The first invalid event of a recording: its index, and the error message."""
@@ -150,6 +168,13 @@ def check_sensor(name: str, width: int, height: int) -> None:
         raise RecordingError(f"{name}: sensor {width}x{height}: each side must be from 1 to 65536 pixels")
 
 
+def check_pixels(width: int, height: int) -> None:
+    """Raise RecordingError for a sensor that is too large for work with memory for every pixel: more than `MOST_PIXELS`."""
+    if width * height > MOST_PIXELS:
+        rule = f"must be at most {MOST_PIXELS:,} for this; --sensor WxH states a smaller sensor, where events lie within it"
+        raise RecordingError(f"sensor {width}x{height}: {width * height:,} pixels: {rule}")
+
+
 @dataclass(frozen=True, eq=False)
 class Recording:
     """Events and the sensor that they come from.
@@ -169,9 +194,15 @@ class Recording:
     height: int
     name: str = "recording"
 
+    def __repr__(self) -> str:
+        n, seconds = len(self.events.t_us), self.duration_us / 1e6
+        return f"<Recording {self.name}: {n:,} events in {seconds:.6g} s, {self.width}x{self.height} pixels>"
+
     def __post_init__(self) -> None:
         check_sensor(self.name, self.width, self.height)
         events = self.events
+        if not isinstance(events, Events):
+            raise RecordingError(f"{self.name}: events are of type {type(events).__name__}: must be Events")
         if not len(events.t_us) == len(events.x) == len(events.y) == len(events.p):
             raise RecordingError(
                 f"{self.name}: t, x, y, p hold {len(events.t_us)}, {len(events.x)}, {len(events.y)}, {len(events.p)} values: "

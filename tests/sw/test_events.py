@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from evcot.errors import EvcotError, RecordingError
 from evcot.events import Events, Recording
+from evcot.recordings.files import write_recording
 
 
 def make_events(t_us: list[int], x: list[int], y: list[int], p: list[int]) -> Events:
@@ -77,3 +80,28 @@ def test_a_sensor_has_from_1_to_65536_pixels_a_side(width: int, height: int) -> 
 def test_the_error_can_be_caught_by_kind() -> None:
     assert issubclass(RecordingError, EvcotError)
     assert issubclass(RecordingError, ValueError)
+
+
+def test_numpy_makes_a_structured_array_of_events() -> None:
+    events = Events(np.array([5, 9]), np.array([1, 2], np.uint16), np.array([3, 4], np.uint16), np.array([1, 0], np.uint8))
+    array = np.asarray(events)
+    assert array["t"].tolist() == [5, 9]
+    assert np.array_equal(array, events.to_array())
+    with pytest.raises(ValueError, match=r"copy = False: must be True or None"):
+        np.asarray(events, copy=False)
+
+
+def test_a_short_text_stands_for_many_events() -> None:
+    events = Events(np.arange(5_000), *np.zeros((2, 5_000), np.uint16), np.zeros(5_000, np.uint8))
+    assert repr(events) == "<Events: 5,000, from 0 to 4,999 us>"
+    assert repr(Events.empty()) == "<Events: none>"
+    assert repr(Recording(events, 346, 260, "drive")) == "<Recording drive: 5,000 events in 0.004999 s, 346x260 pixels>"
+
+
+def test_what_is_no_recording_is_refused_in_one_line(tmp_path: Path) -> None:
+    recording = Recording(Events.empty(), 4, 3)
+    for arguments in ((tmp_path / "a.npz", recording), (recording.events, tmp_path / "a.npz"), (recording, 5)):
+        with pytest.raises(RecordingError, match="must be a Recording, then the path of the file to write$"):
+            write_recording(*arguments)  # type: ignore[arg-type]
+    with pytest.raises(RecordingError, match="recording: events are of type list: must be Events"):
+        Recording([], 4, 3)  # type: ignore[arg-type]

@@ -358,6 +358,9 @@ def write_recording(recording: Recording, path: Path | str, format_name: str | N
     Raises:
         ConfigError, RecordingError, OutputError: as `write_events`.
     """
+    if not isinstance(recording, Recording) or not isinstance(path, str | Path):
+        kinds = f"{type(recording).__name__} and {type(path).__name__}"
+        raise RecordingError(f"arguments of type {kinds}: must be a Recording, then the path of the file to write")
     write_events(path, (recording.width, recording.height), [recording.events], format_name, force=force)
 
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..events import check_pixels
+
 if TYPE_CHECKING:
     from ..filters.config import FilterConfig
     from ..recordings.formats.source import Sensor
@@ -53,8 +55,14 @@ class Engine:
 
     @property
     def start(self) -> Start:
-        """A new tracker with these settings, these filters in front of it, and this sensor."""
-        return self._parts.start
+        """A new tracker with these settings, these filters in front of it, and this sensor; RecordingError: it is too large."""
+        begin = self._parts.start
+
+        def start(settings: Any, filters: FilterConfig, sensor: Sensor) -> Tracker:
+            check_pixels(*sensor)
+            return begin(settings, filters, sensor)
+
+        return start
 
     @property
     def filters(self) -> Mapping[str, FilterConfig]:

@@ -65,6 +65,10 @@ class TrackLog:
         """Number of owners."""
         return len(self.owner)
 
+    def __repr__(self) -> str:
+        tracks = len(self.of_kind(Kind.BORN))
+        return f"<TrackLog {self.engine}: {tracks:,} tracks, {len(self.records):,} records, {len(self.owner):,} events>"
+
     def save(self, path: Path | str, *, force: bool = False) -> None:
         """Write the log in the format of the suffix: .npz, .parquet, or .csv, which has no owners and cannot be read again.
 

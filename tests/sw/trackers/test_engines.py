@@ -36,3 +36,14 @@ def test_a_loop_is_compiled_once_whether_columns_can_be_written_or_not(engine: s
         evcot.track(evcot.Recording(columns, 32, 32, "two events"), engine)
         compiled.append(len(LOOPS[engine].signatures))
     assert compiled[0] == compiled[1] > 0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_sensor_that_would_take_gigabytes_is_refused(engine: str) -> None:
+    events = evcot.Events(np.arange(2, dtype=np.int64), *np.zeros((2, 2), np.uint16), np.zeros(2, np.uint8))
+    with pytest.raises(evcot.RecordingError) as caught:
+        evcot.track(evcot.Recording(events, 65535, 65535, "two events"), engine)
+    assert str(caught.value) == (
+        "sensor 65535x65535: 4,294,836,225 pixels: must be at most 16,777,216 for this; "
+        "--sensor WxH states a smaller sensor, where events lie within it"
+    )

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ...events import Events
+from ...events import Events, check_pixels
 from ...recordings.formats.source import Sensor
 from .colours import EVENTS, shades
 
@@ -27,6 +27,7 @@ class Surface:
 
     def __init__(self, sensor: Sensor, decay_us: float) -> None:
         width, height = sensor
+        check_pixels(width, height)
         self._decay_us = decay_us
         self._t_us = np.full((height, width), _NEVER, np.int64)
         self._p = np.zeros((height, width), np.uint8)

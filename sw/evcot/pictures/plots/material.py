@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...events import Events
+from ...events import Events, check_pixels
 from ...recordings.formats.source import Sensor
 from ...tracks.log import TrackLog
 from ...tracks.timeline import alive, lifetimes, sample
@@ -77,6 +77,7 @@ class Material:
 def density(blocks: Iterable[Events], sensor: Sensor) -> tuple[NDArray[np.int64], int, int]:
     """(height, width) events per pixel, and the times of the first and the last event; (0, 0) without events."""
     width, height = sensor
+    check_pixels(width, height)
     counts = np.zeros(width * height, np.int64)
     first_us: int | None = None
     last_us = 0

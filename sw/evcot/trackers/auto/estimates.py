@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...events import Events
+from ...events import Events, check_pixels
 from ...recordings.formats.source import Sensor
 from .config import AutoConfig
 from .tracker import AutoTracker
@@ -241,6 +241,7 @@ def estimate(blocks: Iterable[Events], sensor: Sensor, config: AutoConfig | None
     Args:
         blocks: its events in time order.
     """
+    check_pixels(*sensor)
     observed = ObservedTracker(config or AutoConfig(), *sensor)
     end_us: int | None = None
     left = SEEN_EVENTS

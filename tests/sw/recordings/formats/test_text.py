@@ -248,7 +248,7 @@ def test_decimal_commas_between_semicolons(path: Path) -> None:
             assert (events.t_us.tolist(), events.x.tolist(), events.y.tolist()) == ([19, 205], [50, 52], [102, 104])
             assert file.details["decimal mark"] == "comma"
     path.write_text("t;x;y;p\n0,000019;50;1,5;0\n")
-    with pytest.raises(RecordingError, match=r"line 2: y = '1,5': must be a whole number"):
+    with pytest.raises(RecordingError, match=r"line 2: y = '1.5': must be a whole number"):
         read_recording(path)
 
 
