@@ -20,6 +20,7 @@ ROOMS = {
         "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "outputs", "toml_file",
         "templating", "structured", "_sound_kernel", "events", "digest", "ticks", "unfinished", "compiling", "recordings",
         "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "api", "pictures", "anomalies",
+        "__main__",
     ),
     "evcot_cosim": (
         "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages",

@@ -101,7 +101,7 @@ def test_a_short_text_stands_for_many_events() -> None:
 def test_what_is_no_recording_is_refused_in_one_line(tmp_path: Path) -> None:
     recording = Recording(Events.empty(), 4, 3)
     for arguments in ((tmp_path / "a.npz", recording), (recording.events, tmp_path / "a.npz"), (recording, 5)):
-        with pytest.raises(RecordingError, match="must be a Recording, then the path of the file to write$"):
+        with pytest.raises(RecordingError, match=r"must be a Recording, then the path of the file to write$"):
             write_recording(*arguments)  # type: ignore[arg-type]
     with pytest.raises(RecordingError, match="recording: events are of type list: must be Events"):
         Recording([], 4, 3)  # type: ignore[arg-type]
