@@ -11,14 +11,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..events import Events
+from ..events import MOST_PIXELS, Events
 from .files import RecordingFile
 
 __all__ = ["PEAK_WINDOW_US", "BusyPixel", "Description", "PixelFigures", "describe"]
 
 PEAK_WINDOW_US = 10_000
 _BUSIEST = 5
-_MOST_PIXELS = 1 << 24  # a larger sensor gets no per-pixel statistics: a damaged header must not decide how much memory is used
+# Bursts: so many events, on average, have one time, and times are so far apart. They come from frames or grouped times.
+_BURST_EVENTS, _BURST_US = 8, 1_000
 
 # Histogram of intervals with 8 bins per power of two: a median taken from it is accurate to 7 %, and exact up to 15 us.
 _INTERVAL_BINS = 64 * 8
@@ -66,7 +67,8 @@ class Description:
         mean_rate: None where all events have the same time.
         peak_rate: of the busiest of the consecutive windows of `PEAK_WINDOW_US` from the first event on; None for a recording
             shorter than one window.
-        pixels: None for a sensor of more than 2^24 pixels.
+        burst_us: mean time between bursts, where events come in bursts of one time, as from frames; else None.
+        pixels: None for a sensor of more than `MOST_PIXELS`.
         left_out: reason -> number of events that were left out.
         remarks: faults for which no event was left out.
         details: other metadata of the file.
@@ -82,6 +84,7 @@ class Description:
     mean_rate: float | None
     peak_rate: float | None
     on_share: float
+    burst_us: float | None
     pixels: PixelFigures | None
     left_out: Mapping[str, int]
     remarks: tuple[str, ...]
@@ -175,11 +178,12 @@ def describe(
         RecordingError: as `RecordingFile.blocks`, or there is no event in the window.
     """
     width, height = file.sensor
-    pixels = _PixelCounts(width, height) if width * height <= _MOST_PIXELS else None
+    pixels = _PixelCounts(width, height) if width * height <= MOST_PIXELS else None
     state = np.zeros(4, np.int64)
-    first_us = last_us = events = 0
+    first_us = last_us = events = steps = 0
     for block in file.blocks(from_us, to_us, required=True):
         first_us = first_us if events else int(block.t_us[0])
+        steps += int(np.count_nonzero(np.diff(block.t_us, prepend=last_us if events else first_us)))
         last_us = int(block.t_us[-1])
         events += len(block)
         _count_in_time(block.t_us, block.p, first_us, state)
@@ -188,6 +192,7 @@ def describe(
         if progress is not None:
             progress(events, last_us - file.t0_us)
     duration_us = last_us - first_us
+    in_bursts = steps > 0 and events >= _BURST_EVENTS * (steps + 1) and duration_us >= _BURST_US * steps
     return Description(
         format=file.format,
         width=width,
@@ -199,6 +204,7 @@ def describe(
         mean_rate=events / duration_us * 1e6 if duration_us else None,
         peak_rate=float(state[_PEAK_EVENTS]) / PEAK_WINDOW_US * 1e6 if duration_us >= PEAK_WINDOW_US else None,
         on_share=float(state[_ON]) / events,
+        burst_us=duration_us / steps if in_bursts else None,
         pixels=pixels.figures(events) if pixels is not None else None,
         left_out=dict(file.left_out),
         remarks=tuple(file.remarks),

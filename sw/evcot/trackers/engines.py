@@ -11,8 +11,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..events import check_pixels
-
 if TYPE_CHECKING:
     from ..filters.config import FilterConfig
     from ..recordings.formats.source import Sensor
@@ -59,6 +57,8 @@ class Engine:
         begin = self._parts.start
 
         def start(settings: Any, filters: FilterConfig, sensor: Sensor) -> Tracker:
+            from ..events import check_pixels
+
             check_pixels(*sensor)
             return begin(settings, filters, sensor)
 

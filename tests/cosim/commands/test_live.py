@@ -256,7 +256,7 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
         ("{source} --for 0", "--for 0: must be more than 0 seconds"),
         ("{source} --save {source}", "an input of the same call: must be another file"),
         ("{source} --save a.csv", "--save a.csv: must end in .aedat4 or .raw"),
-        ("{source} --save-log a.csv", "--save-log a.csv: must end in .npz"),
+        ("{source} --save-log a.csv", "--save-log a.csv: suffix '.csv': must be .npz"),
         ("{source} --web 99999", "--web 99999: must be from 0 to 65535"),
         ("{source} --web 0 --bind 0.0.0.0", "--bind 0.0.0.0: must be one address"),
         ("{source} --bind 127.0.0.1", "--bind 127.0.0.1: must be given with --web"),

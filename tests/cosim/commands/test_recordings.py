@@ -102,6 +102,7 @@ def test_info_of_little_is_little(capsys: Capture) -> None:
         "format": "CSV or text",
         "separator": "blanks",
         "times in": "seconds",
+        "columns": "t, x, y, p, assumed by their values; a first line such as x,y,t,p names them",
         "sensor": "2x3 pixels, the smallest that holds every event",
         "events": "1",
         "first event": "0.250000 s",
@@ -161,7 +162,7 @@ def test_what_is_amiss_but_loses_nothing_is_told_once_and_is_no_failure(capsys: 
     printed = capsys.readouterr()
     assert printed.err == f"evcot: warning: a.csv: {what}\n"
     assert printed.out.splitlines()[-1] == f"remark          {what}"
-    assert main(["track", "a.csv", "--out", "out", "--sensor", "9x9"]) == 0  # reads it more than once
+    assert main(["track", "a.csv", "-o", "out.npz", "--sensor", "9x9"]) == 0  # reads it more than once
     assert capsys.readouterr().err.count("run back in time") == 1
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from evcot.errors import RecordingError
 from evcot.events import Events
@@ -99,6 +100,20 @@ def test_what_cannot_be_said_is_none(tmp_path: Path) -> None:
     assert brief.peak_rate is None
 
 
+def test_bursts_of_one_time_are_told_from_a_stream(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numpy_files, "BLOCK_EVENTS", 333)  # blocks end within bursts
+    events = make_events(2000)
+    burst = np.arange(2000) // 100
+
+    def at(t_us: NDArray[np.int64]) -> float | None:
+        return described(tmp_path, Events(t_us, events.x, events.y, events.p)).burst_us
+
+    assert at(burst * 20_000) == 20_000
+    assert at(burst * 999) is None  # the times of a driver, not of frames
+    assert at(np.arange(2000) // 7 * 20_000) is None  # a slow stream
+    assert at(events.t_us) is None
+
+
 def test_memory_does_not_follow_a_sensor_beyond_belief(tmp_path: Path) -> None:
     assert described(tmp_path, make_events(10), (65536, 65536)).pixels is None
 
@@ -112,7 +127,7 @@ def test_it_goes_through_json_and_tells_its_progress(tmp_path: Path) -> None:
     assert heard == [(1, 0)]
     assert json.loads(json.dumps(found.to_dict())) == {
         "format": "NumPy npz", "width": 4, "height": 3, "assumes_sensor": False,
-        "events": 1, "first_us": 5, "duration_us": 0, "mean_rate": None, "peak_rate": None, "on_share": 1.0,
+        "events": 1, "first_us": 5, "duration_us": 0, "mean_rate": None, "peak_rate": None, "on_share": 1.0, "burst_us": None,
         "pixels": {"silent": 11 / 12, "median_interval_us": None, "busiest": [{"x": 2, "y": 2, "share": 1.0}]},
         "left_out": {}, "remarks": [], "details": {"times in": "microseconds"},
     }  # fmt: skip

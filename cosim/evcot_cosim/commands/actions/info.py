@@ -58,6 +58,8 @@ def _rows(found: Description, path: Path) -> list[tuple[str, str]]:
 def _rate_rows(found: Description) -> Iterator[tuple[str, str]]:
     if found.mean_rate is not None:
         yield "mean rate", _rate(found.mean_rate)
+    if found.burst_us is not None:
+        yield "bursts", f"events come in bursts of one time, every {found.burst_us / 1e3:.3g} ms on average"
     if found.peak_rate is not None:
         yield "peak rate", f"{_rate(found.peak_rate)}, over {PEAK_WINDOW_US // 1000} ms"
 
