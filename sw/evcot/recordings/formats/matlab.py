@@ -3,7 +3,8 @@
 
 The fields may have any of the names in `hdf5_survey.NAMES`.
 
-Of several structs, TD is read: in files of the ATIS it has the changes, and EM exposure measurements. Else the first.
+Of several structs, TD is read: in files of the ATIS it has the changes, and EM exposure measurements. Else the first. A file of
+version 5 to 7 without structs may have a matrix of four columns, in an order of `column_order`.
 
 MATLAB counts pixels from 1, and so do these tools; other exporters count from 0. The data decide: if some x or y is 0, both
 are counted from 0, else from 1. A polarity of 2 implies the coding 1 and 2, one of -1 the coding -1 and 1, neither 0 and 1.
@@ -27,6 +28,7 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
+from .column_order import SAMPLED_ROWS, column_order
 from .hdf5 import open_file, open_rows
 from .hdf5_survey import NAMES, survey
 from .numeric import whole_numbers
@@ -182,8 +184,8 @@ def _find_struct(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
     if kind != _MATRIX:
         return None
     elements.end_at(elements.behind)
-    matrix, size, name = _matrix_head(elements)
-    if matrix != _STRUCT or size != 1:
+    matrix, sides, name = _matrix_head(elements)
+    if matrix != _STRUCT or math.prod(sides) != 1:
         return None
     width = elements.whole_numbers(_INT32)
     names = elements.content(_INT8)
@@ -203,20 +205,37 @@ def _find_struct(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
     return name, places
 
 
-def _matrix_head(elements: _Elements) -> tuple[int, int, str]:
-    """(class, number of values, name)."""
+def _find_matrix(elements: _Elements) -> tuple[str, list[_Place]] | None:
+    """The name and columns of a matrix of four columns; None for any other variable."""
+    kind, _ = elements.tag()
+    if kind != _MATRIX:
+        return None
+    elements.end_at(elements.behind)
+    matrix, sides, name = _matrix_head(elements)
+    if not _DOUBLE <= matrix <= _UINT64 or len(sides) != 2 or sides[0] < 1 or sides[1] != 4:
+        return None
+    whole = _find_values(name, elements, math.prod(sides))
+    return name, [_Place(whole.dtype, whole.at + i * sides[0] * whole.dtype.itemsize, sides[0]) for i in range(4)]
+
+
+def _matrix_head(elements: _Elements) -> tuple[int, list[int], str]:
+    """(class, numbers of rows, columns and so on, name)."""
     flags = elements.whole_numbers(_UINT32)
-    size = math.prod(elements.whole_numbers(_INT32)[:_MOST_SIDES])
+    sides = elements.whole_numbers(_INT32)[:_MOST_SIDES]
     name = elements.content(_INT8).decode("latin-1")
     if len(flags) != 2 or flags[0] & _COMPLEX:
         raise RecordingError(f"byte {elements.place}: a matrix of flags {flags[:2]}: must be of real numbers")
-    return flags[0] & 0xFF, size, name
+    return flags[0] & 0xFF, sides, name
 
 
 def _find_numbers(field: str, elements: _Elements) -> _Place:
-    kind, size, _ = _matrix_head(elements)
+    kind, sides, _ = _matrix_head(elements)
     if not _DOUBLE <= kind <= _UINT64:
         raise RecordingError(f"{field}: is a matrix of class {kind}: must hold numbers")
+    return _find_values(field, elements, math.prod(sides))
+
+
+def _find_values(field: str, elements: _Elements, size: int) -> _Place:
     place = elements.place
     kind, length = elements.tag()
     if kind not in _NUMBERS:
@@ -276,7 +295,7 @@ class _InHdf5:
             yield self.rows[first : min(first + BLOCK_EVENTS, self.count)].ravel()
 
 
-_Struct = tuple[str, dict[str, _Column], list[str]]  # its name, its columns, and the names of the others
+_Struct = tuple[str, dict[str, _Column], list[str]]  # its name, its columns, and the names of the others; also of a matrix
 
 
 def _choose(names: list[str], wanted: str | None) -> str:
@@ -293,7 +312,7 @@ def _read_version_5(file: io.BufferedReader, wanted: str | None) -> _Struct:
     order = {b"IM": "<", b"MI": ">"}[start[126:128]]
     size = file.seek(0, 2)
     at = _HEADER_BYTES
-    others = 0
+    others: list[tuple[_Opener, int, int]] = []
     structs: dict[str, dict[str, _Column]] = {}
     while at < size:
         outer = _Elements(Section(file, at, size - at), order, size - at, at)
@@ -303,19 +322,36 @@ def _read_version_5(file: io.BufferedReader, wanted: str | None) -> _Struct:
         if kind == _COMPRESSED:
             begin = place + outer.at
             open_variable = _opener(file, begin, length, order)
-            found = _find_struct(_Elements(open_variable(), order, 1 << 32))
+            end, first_byte = 1 << 32, 0
         else:
             open_variable = _section_opener(file, begin, size - begin)
-            found = _find_struct(_Elements(open_variable(), order, size - begin, begin))
-        if found is not None:
-            name, places = found
-            structs[name] = {field: _Stored(field, places[field], open_variable) for field in _FIELDS}
-        others += found is None
+            end, first_byte = size - begin, begin
+        found = _find_struct(_Elements(open_variable(), order, end, first_byte))
+        if found is None:
+            others.append((open_variable, end, first_byte))
+            continue
+        name, places = found
+        structs[name] = {field: _Stored(field, places[field], open_variable) for field in _FIELDS}
+    for open_variable, end, first_byte in () if structs else others:
+        matrix = _find_matrix(_Elements(open_variable(), order, end, first_byte))
+        if matrix is not None:
+            name, columns = matrix
+            structs[name] = _in_order(name, [_Stored(name, column, open_variable) for column in columns])
     if not structs:
-        count = "1 variable" if others == 1 else f"{others} variables"
-        raise RecordingError(f"holds {count}, and no struct with the fields {', '.join(_FIELDS)}")
+        count = "1 variable" if len(others) == 1 else f"{len(others)} variables"
+        raise RecordingError(f"holds {count}, no struct with the fields {', '.join(_FIELDS)}, and no matrix of four columns")
     name = _choose([*structs], wanted)
     return name, structs[name], [other for other in structs if other != name]
+
+
+def _in_order(name: str, columns: list[_Stored]) -> dict[str, _Column]:
+    """The columns of a matrix, by field."""
+    sample = np.stack([next(column.blocks())[:SAMPLED_ROWS] for column in columns], axis=1)
+    try:
+        order = column_order(sample)
+    except RecordingError as error:
+        raise RecordingError(f"{printable(name)}: {error}") from error
+    return {field: columns[i] for field, i in zip(("ts", "x", "y", "p"), order, strict=True)}
 
 
 def _section_opener(file: io.BufferedReader, begin: int, length: int) -> _Opener:

@@ -108,7 +108,7 @@ def test_the_fields_may_be_called_otherwise(tmp_path: Path, names: tuple[str, ..
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ({"a": 1, "b": {"x": 1}}, "holds 2 variables, and no struct with the fields x, y, p, ts"),
+        ({"a": 1, "b": {"x": 1}}, "holds 2 variables, no struct with the fields x, y, p, ts, and no matrix of four columns"),
         ({"TD": struct(1, P[:-1])}, "x 60, y 60, p 59, ts 60 values: all must be the same"),
         ({"TD": struct(1, P + 3)}, "event 0: p = {}: must be 0 or 1"),
         ({"TD": struct(1, "abc")}, "p: is a matrix of class 4: must hold numbers"),
@@ -162,6 +162,28 @@ def test_the_first_struct_is_read_where_none_is_called_td(tmp_path: Path) -> Non
     path = write(tmp_path / "several.mat", {"b": struct(0, P), "a": exposures()})
     with open_recording(path) as file:
         assert (file.details["struct"], file.details["also holds"]) == ("b", "a")
+
+
+@pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
+@pytest.mark.parametrize("order", ["txyp", "xytp", "xypt", "ptxy"])
+@pytest.mark.parametrize("kind", [np.float64, np.int32])
+def test_a_matrix_of_four_columns_is_read_in_any_order(tmp_path: Path, order: str, kind: type, compressed: bool) -> None:
+    columns = {"t": T_US, "x": X, "y": Y, "p": P}
+    matrix = np.stack([columns[field] for field in order], axis=1).astype(kind)
+    content = {"before": np.eye(3), "events": matrix, "note": "four columns"}
+    with open_recording(write(tmp_path / "events.mat", content, do_compression=compressed)) as file:
+        assert_events(file.read().events)
+        assert file.details["struct"] == "events"
+
+
+def test_a_matrix_is_not_read_where_there_is_a_struct(tmp_path: Path) -> None:
+    with open_recording(write(tmp_path / "events.mat", {"a": np.ones((9, 4)), "TD": struct(0, P)})) as file:
+        assert_events(file.read().events)
+
+
+def test_a_matrix_that_has_no_times_is_refused(tmp_path: Path) -> None:
+    message = refusal(write(tmp_path / "events.mat", {"m": np.stack([X, Y, X, P], axis=1)}))
+    assert message.startswith("m: columns without names: ")
 
 
 def test_a_file_that_has_no_structs_says_so(tmp_path: Path) -> None:
