@@ -35,6 +35,8 @@ Damage = Literal["refuse", "skip"]
 
 HELD_US = 10_000  # a time that runs back by no more is held at the latest one; by more, it is damage
 
+_RESTART_EVENTS = 16  # so many in a row stay behind the latest time where time restarts; fewer are strays
+
 _SNIFF_BYTES = 1024
 
 
@@ -111,7 +113,8 @@ class RecordingFile:
         Raises:
             RecordingError: the file is damaged, time runs back by more than `HELD_US`, or an event lies outside the sensor;
                 names file, place, value and rule. With damage "skip" such events are left out instead, and so is everything
-                after a place that cannot be read. Also raised where an event is `required` and there is none.
+                after a place that cannot be read; where time restarts, it goes on from the latest time. Also raised where
+                an event is `required` and there is none.
         Warns:
             RecordingWarning: events were left out, how many and why; events ran back in time by no more than `HELD_US` and
                 have the time of the latest before them; or the file contradicts itself.
@@ -123,18 +126,24 @@ class RecordingFile:
         last_us = np.iinfo(np.int64).min
         seen = given = 0
         broken: Counter[str] = Counter()
-        held = longest_us = 0
-        for block in self._source_blocks(begin if from_us > 0 else None):
+        held = longest_us = restarts = shift_us = 0
+        # A reader that skips to `begin` goes by the times in the file: not where they may restart.
+        for block in self._source_blocks(begin if from_us > 0 and self._damage == "refuse" else None):
+            if shift_us:
+                block = Events(block.t_us + shift_us, block.x, block.y, block.p)
             fault = find_fault(block, width, height, last_us)
             first_index, seen = seen, seen + len(block)
             if fault is not None:
-                block, count, back_us = _held(block, last_us)
+                goes_on = self._damage == "skip"
+                if goes_on:
+                    block = _inside(block, width, height, broken)
+                block, count, back_us, more_us, more_restarts = _held(block, last_us, t0_us + shift_us, goes_on)
                 held, longest_us = held + count, max(longest_us, back_us)
-                fault = find_fault(block, width, height, last_us) if count else fault
-            if fault is not None:
-                if self._damage == "refuse":
+                restarts, shift_us = restarts + more_restarts, shift_us + more_us
+                if goes_on:
+                    block = _forward(block, last_us, broken)
+                elif (fault := find_fault(block, width, height, last_us) if count else fault) is not None:
                     raise DamagedRecordingError(f"{self.path}: {fault.describe(first_index)}{_counted_from(from_us)}")
-                block = sound(block, width, height, last_us, broken)
             if not len(block):
                 continue
             last_us = int(block.t_us[-1])
@@ -150,6 +159,9 @@ class RecordingFile:
         if held:
             what = f"{held} events run back in time, by at most {longest_us} us: each has the time of the latest before it"
             self.remarks.append(what)
+        if restarts:
+            places = "one place" if restarts == 1 else f"{restarts} places"
+            self.remarks.append(f"time restarts in {places}: there, it goes on from the latest time before")
         for what in (*(f"{count} events left out: {why}" for why, count in self.left_out.items()), *self.remarks):
             warnings.warn(RecordingWarning(f"{self.path}: {what}"), stacklevel=2)
         if required and not given:
@@ -192,38 +204,73 @@ def _counted_from(from_us: int) -> str:
     return f" (counted from {from_us / 1e6:g} s)" if from_us else ""
 
 
-def _held(events: Events, after_us: int) -> tuple[Events, int, int]:
+def _held(events: Events, latest_us: int, start_us: int, goes_on: bool) -> tuple[Events, int, int, int, int]:
     """Give events that run back in time, by `HELD_US` at most, the time of the latest before them; those that run back further
-    are unchanged. Returns the events, how many were changed, and the longest way back.
+    are unchanged. Where `goes_on`, times that restart go on from the latest one.
 
-    A camera's readout, or the program that merges its packets, may swap events that lie microseconds apart.
+    A camera's readout, or the program that merges its packets, may swap events that lie microseconds apart. A time restarts
+    where it runs back to the recording's first time, `start_us`, and stays behind.
+
+    Returns:
+        The events; how many were held, and the longest way back; how much later the times after the last restart are, and
+        the number of restarts.
     """
     t_us = events.t_us.copy()
-    count, longest_us = _hold(t_us, after_us)
-    return Events(t_us, events.x, events.y, events.p), count, longest_us
+    figures = _hold(t_us, latest_us, start_us, goes_on)
+    held, longest_us, shift_us, restarts = (int(figure) for figure in figures)
+    return Events(t_us, events.x, events.y, events.p), held, longest_us, shift_us, restarts
 
 
 @njit(cache=True, nogil=True)
-def _hold(t_us, latest_us):  # type: ignore[no-untyped-def]
-    count, longest_us = 0, np.int64(0)
+def _hold(t_us, latest_us, start_us, goes_on):  # type: ignore[no-untyped-def]
+    held, longest_us, shift_us, restarts = 0, np.int64(0), np.int64(0), 0
     for i in range(len(t_us)):
-        if t_us[i] >= latest_us:
-            latest_us = t_us[i]
-        elif t_us[i] >= latest_us - HELD_US:
-            count += 1
-            longest_us = max(longest_us, latest_us - t_us[i])
-            t_us[i] = latest_us
-    return count, longest_us
+        now_us = t_us[i] + shift_us
+        if now_us < latest_us:
+            back_us = latest_us - now_us  # negative where the difference exceeds 63 bits
+            if 0 < back_us <= HELD_US:
+                held += 1
+                longest_us = max(longest_us, back_us)
+                now_us = latest_us
+            elif (
+                goes_on
+                and back_us > 0
+                and now_us - shift_us <= start_us + HELD_US
+                and _stays_behind(t_us, i, latest_us - shift_us)
+            ):
+                shift_us += back_us
+                restarts += 1
+                now_us = latest_us
+        latest_us = max(latest_us, now_us)
+        t_us[i] = now_us
+    return held, longest_us, shift_us, restarts
+
+
+@njit(cache=True, nogil=True)
+def _stays_behind(t_us, first, latest_us):  # type: ignore[no-untyped-def]
+    if first + _RESTART_EVENTS > len(t_us):
+        return False
+    for i in range(first, first + _RESTART_EVENTS):
+        if latest_us - t_us[i] <= HELD_US or (i > first and t_us[i - 1] - t_us[i] > HELD_US):
+            return False
+    return True
 
 
 def sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:
     """The events inside the sensor whose times do not decrease; the others are counted in `broken`."""
-    inside = (events.x < width) & (events.y < height) & (events.p <= 1)
-    kept = events.where(inside)
+    return _forward(_inside(events, width, height, broken), after_us, broken)
+
+
+def _inside(events: Events, width: int, height: int, broken: Counter[str]) -> Events:
+    kept = events.where((events.x < width) & (events.y < height) & (events.p <= 1))
     broken["outside the sensor, or without a polarity"] += len(events) - len(kept)
-    latest = np.maximum.accumulate(np.maximum(kept.t_us, after_us))
-    forward = kept.where(kept.t_us == latest)
-    broken["time runs back"] += len(kept) - len(forward)
+    return kept
+
+
+def _forward(events: Events, after_us: int, broken: Counter[str]) -> Events:
+    latest = np.maximum.accumulate(np.maximum(events.t_us, after_us))
+    forward = events.where(events.t_us == latest)
+    broken["time runs back"] += len(events) - len(forward)
     return forward
 
 
@@ -237,7 +284,7 @@ def open_recording(
         sensor: (width, height) in pixels, overrides what the file states. Without it, a file that does not state its sensor
             gets the smallest (for a Prophesee file: the smallest common one) that holds every event.
         damage: how to handle invalid events and unreadable places: refuse the file, or leave out what is invalid and warn
-            with the number of events.
+            with the number of events. Where time restarts, "skip" lets it go on from the latest time.
         struct: of a MATLAB file with several structs of events the one to read, by name; None: TD, else the first.
 
     Raises:
