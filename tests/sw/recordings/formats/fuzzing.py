@@ -23,7 +23,7 @@ __all__ = ["Outcomes", "cut_lengths", "fuzz", "sample_of"]
 _THOROUGH = bool(os.environ.get("EVCOT_FUZZ"))
 
 # What a warning says: how many events were lost; or that none is, though the file contradicts itself.
-_LOSS = re.compile(r": (\d+ events left out: |everything after \d+ events left out: )")
+_LOSS = re.compile(r": (\d+ events left out: |everything after \d+ events left out: |time restarts in )")
 _NO_LOSS = re.compile(
     r": (\d+ events run back in time, by at most \d+ us: |packet table at byte -?\d+: |header: sensor |topic .*: all are read$)"
 )
