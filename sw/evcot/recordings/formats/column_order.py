@@ -5,8 +5,10 @@ The orders in use are t, x, y, p; x, y, t, p; x, y, p, t (Metavision, eDVS); p, 
 its x and y can be addresses and its p can be a polarity. Of the possible ones:
 
 1. A time that cannot be an address (fractions, or above 65535) settles the order, however few the rows are.
-2. Else, with 16 rows or more, it is the first order whose times hardly ever run back, and do not all stand still.
-3. If times run back in more than a quarter of the rows in every order, the columns are in none of these.
+2. Else, with 16 rows or more, times hardly ever run back. Of several such orders it is the one whose times do not all stand
+   still, then the one whose times run back least. Addresses of one frame, pixel by pixel, do not count as times.
+3. With fewer rows it is t, x, y, p.
+4. If times run back in more than a quarter of the rows in every order, the columns are in none of these.
 """
 
 from __future__ import annotations
@@ -18,13 +20,14 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 
-__all__ = ["SAMPLED_ROWS", "column_order", "order_text"]
+__all__ = ["SAMPLED_ROWS", "Order", "column_order", "order_text"]
 
 Order = tuple[int, int, int, int]  # the columns of t, x, y, p
 
 SAMPLED_ROWS = 256
 _FEWEST_ROWS = 16  # with less, how times go on says nothing
 _ORDERS: tuple[Order, ...] = ((0, 1, 2, 3), (2, 0, 1, 3), (3, 0, 1, 2), (1, 2, 3, 0), (3, 1, 2, 0))
+_POLARITIES = (-1, 0, 1, *(float((1 << bits) - 1) for bits in (8, 16, 32, 64)))  # the last four are -1 without its sign
 _DISORDER = 0.05  # share of rows that may run back in a recording: drivers and mergers swap neighbours
 _NO_TIME = 0.25  # share of rows that run back, from which on a column is no time; of an address it is about a half
 
@@ -42,14 +45,15 @@ def column_order(sample: NDArray[Any]) -> Order:
         enough = columns.shape[1] >= _FEWEST_ROWS
         back = [_back(column) for column in columns]
 
-        def rank(order: Order) -> tuple[bool, bool]:
-            t = columns[order[0]]
-            return back[order[0]] > _DISORDER, bool(len(t)) and float(np.ptp(t)) == 0
+        def rank(order: Order) -> tuple[bool, bool, bool, float]:
+            t, x, y, _ = (columns[i] for i in order)
+            scanned = (_range(y) <= 1 and _is_scan(t, x)) or (_range(x) <= 1 and _is_scan(t, y))
+            return back[order[0]] > _DISORDER, scanned, _range(t) == 0, back[order[0]]
 
         among = settled or (possible if enough else [_ORDERS[0]]) or [_ORDERS[0]]
         found = min(among, key=rank)
         if enough and possible and back[found[0]] > _NO_TIME:
-            times = [f"column {i + 1}" for i, share in enumerate(back) if share <= _DISORDER and np.ptp(columns[i]) > 0]
+            times = [f"column {i + 1}" for i, share in enumerate(back) if share <= _DISORDER and _range(columns[i]) > 0]
             looks = f"; {' or '.join(times)} goes on as a time does" if times else ""
             share = f"{100 * back[found[0]]:.0f} %"
             raise RecordingError(
@@ -75,7 +79,20 @@ def _is_no_address(column: NDArray[np.float64]) -> bool:
 
 def _is_possible(columns: NDArray[np.float64], order: Order) -> bool:
     _, x, y, p = (columns[i] for i in order)
-    return _is_address(x) and _is_address(y) and bool(np.isin(p, (-1, 0, 1)).all())
+    return _is_address(x) and _is_address(y) and bool(np.isin(p, _POLARITIES).all())
+
+
+def _range(column: NDArray[np.float64]) -> float:
+    return float(np.ptp(column)) if len(column) else 0.0
+
+
+def _is_scan(column: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether two columns are addresses of one frame, pixel by pixel along rows or columns: `column` is the slow one and has
+    equal values, or the fast one and starts again."""
+    step, other_step = np.diff(column), np.diff(other)
+    slow = bool(((step > 0) | ((step == 0) & (other_step > 0))).all()) and bool((step == 0).any())
+    fast = bool(((other_step > 0) | ((other_step == 0) & (step > 0))).all()) and bool((step < 0).any())
+    return slow or fast
 
 
 def _back(column: NDArray[np.float64]) -> float:

@@ -73,6 +73,29 @@ def test_dense_times_equal_times_and_slight_disorder_do_not_flip_it() -> None:
         assert column_order(table("txyp", t=t)) == (0, 1, 2, 3)
 
 
+@pytest.mark.parametrize("side", [8, 20, 60])
+@pytest.mark.parametrize("axes", ["yx", "xy"])
+def test_pixels_of_a_frame_in_order_are_not_taken_for_times(side: int, axes: str) -> None:
+    """All events of a frame have one time, as from a simulator of frames, and go along its rows or columns."""
+    frames = 4
+    slow, fast = (np.tile(each.ravel() + 30, frames) for each in np.mgrid[:side, :side])
+    columns = {"t": np.repeat(np.arange(frames) * 20_000, side**2), "p": np.arange(len(slow)) % 2, axes[0]: slow, axes[1]: fast}
+    for order in KNOWN:
+        rows = np.stack([columns[name] for name in order], axis=1)[:256]
+        assert column_order(rows) == tuple(order.index(name) for name in "txyp"), order
+
+
+def test_one_pixel_and_one_line_of_pixels_have_times() -> None:
+    still, t = np.full(COUNT, 9), np.arange(COUNT) * 3
+    for x, y in ((still, still), (COLUMNS["x"], still), (still, COLUMNS["y"])):
+        assert column_order(table("txyp", t=t, x=x, y=y)) == (0, 1, 2, 3)
+
+
+def test_few_small_numbers_are_in_the_usual_order() -> None:
+    for order in ("txyp", "xytp"):
+        assert column_order(table(order, t=np.arange(COUNT) + 100)[:15]) == (0, 1, 2, 3)
+
+
 def test_columns_in_no_order_are_refused_with_what_looks_like_the_time() -> None:
     """As CeleX writes them: y, x, brightness, polarity, time."""
     rng = np.random.default_rng(1)
