@@ -41,8 +41,8 @@ __all__ = [
 
 
 def input_path(text: str) -> Path:
-    """The type of an argument that names a file or a folder to read."""
-    return Path(text)
+    """The type of an argument that names a file or a folder to read; - is standard input."""
+    return Path("/dev/stdin" if text == "-" else text)
 
 
 def input_or_name(text: str) -> str:
@@ -51,8 +51,8 @@ def input_or_name(text: str) -> str:
 
 
 def output_file(text: str) -> Path:
-    """The type of an argument that names a file to write; `output_option` adds one."""
-    return Path(text)
+    """The type of an argument that names a file to write, - standard output; `output_option` adds one."""
+    return Path("/dev/stdout" if text == "-" else text)
 
 
 def output_folder(text: str) -> Path:
@@ -246,7 +246,7 @@ def claims_of(options: argparse.Namespace) -> Claims:
     """
     claims = Claims()
     for action, path in _given(options, INPUT_TYPES):
-        if (action.type is input_path or _FILE_NAME.fullmatch(str(path))) and str(path) != "-" and not path.exists():
+        if (action.type is input_path or _FILE_NAME.fullmatch(str(path))) and not path.exists():
             raise RecordingError(f"{path}: cannot be read: {os.strerror(errno.ENOENT)}")
         claims.read(path)
     for action, path in _given(options, OUTPUT_TYPES):

@@ -21,6 +21,7 @@ _EXAMPLES_CONVERT = """
 evcot convert drive.bag drive.aedat4
 evcot convert drive.aedat4 part.csv --from 500 --to 900
 evcot convert events.txt drive.raw --format evt3 --sensor 640x480
+zcat events.txt.gz | evcot convert - - --format npz > drive.npz
 """
 
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -216,6 +217,30 @@ def test_what_cannot_be_done_is_one_line(drive: Path, arguments: tuple[str, ...]
     Path("link.npz").symlink_to("drive.npz")
     csv("bad.csv", "20002,1,1,1", "1,1,1,1")
     assert error_of(capsys, *arguments).startswith(message)
+
+
+def test_a_dash_is_standard_input_and_output(drive: Path) -> None:
+    def run(*arguments: str, content: bytes = drive.read_bytes()) -> subprocess.CompletedProcess[bytes]:
+        return subprocess.run([sys.executable, "-m", "evcot_cosim", *arguments], input=content, capture_output=True)
+
+    described = json.loads(run("info", "-", "--json").stdout)
+    assert (described["events"], described["width"]) == (100_000, 346)
+    done = run("convert", "-", "-", "--format", "aedat4")
+    assert done.stderr == b"100,000 events in /dev/stdout, AEDAT 4.0\n"
+    Path("copy.aedat4").write_bytes(done.stdout)
+    assert np.array_equal(read_recording("copy.aedat4").events.t_us, read_recording(drive).events.t_us)
+    done = run("convert", "-", "-")
+    assert (done.returncode, done.stdout) == (2, b"")
+    assert b"must be one of .npz" in done.stderr
+    done = run("info", "-", content=b"")
+    assert (done.returncode, done.stdout) == (2, b"")
+    assert done.stderr.endswith(b"stdin: is empty\n")
+    assert run("track", "-", "-o", "log.npz", "-q").returncode == 0
+    with h5py.File("drive.h5", "w") as hdf5:
+        hdf5["events/t"], hdf5["events/x"], hdf5["events/y"], hdf5["events/p"] = [1, 2], [3, 4], [5, 6], [0, 1]
+    assert run("info", "-", content=Path("drive.h5").read_bytes()).returncode == 0
+    with Path("drive.h5").open("rb") as file:  # not copied
+        subprocess.run([sys.executable, "-m", "evcot_cosim", "info", "-"], stdin=file, check=True)
 
 
 def test_a_terminal_sees_how_far_it_is_and_a_pipe_does_not(drive: Path) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from evcot.recordings.files import format_for, write_events
 
@@ -26,9 +28,10 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         sensor = file.sensor
         blocks = counting.watched(file.blocks(from_us, to_us, required=True), file.t0_us)
         count = write_events(target, sensor, blocks, kind.name, force=options.force)
+    said = sys.stderr if target == Path("/dev/stdout") else sys.stdout
     if options.json:
         written = {"recording": str(target), "format": kind.name, "events": count, "width": sensor[0], "height": sensor[1]}
-        print(json.dumps(written, indent=2))
+        print(json.dumps(written, indent=2), file=said)
     elif shown:
-        print(f"{count:,} events in {target}, {kind.title}")
+        print(f"{count:,} events in {target}, {kind.title}", file=said)
     return 0
