@@ -152,6 +152,8 @@ def _line(text, words, at, separator, columns, power, exact, n, t_us, x, y, p): 
             value, at = (truth, end) if truth >= 0 else _decimal(text, words, at, scale, whole)
             if at < 0:
                 return at, k
+            if column == P and (value == 65535 or value == 4294967295):
+                value = 255  # as any -1 without its sign
             low, high = _LIMITS[column]
             if value < low or value > high:
                 return -1, k

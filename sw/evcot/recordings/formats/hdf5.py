@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """HDF5 event files: DSEC, Prophesee, M3ED, MVSEC, and the flat columns of E2VID's packagers.
 
-Integer times are microseconds; floating-point times are seconds, rounded to the nearest microsecond.
+Integer times are microseconds. Floating-point times are seconds, rounded to the nearest microsecond; or microseconds if those
+of the first block are all whole.
 https://dsec.ifi.uzh.ch/data-format, https://docs.prophesee.ai/stable/data/file_formats/hdf5.html, https://m3ed.io/data_overview
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,10 @@ from ...errors import RecordingError
 from ...events import Events
 from . import ecf
 from .ahead import in_order
+from .fields import UNITS
 from .hdf5_chunks import Chunks, joined
 from .hdf5_survey import Part, Survey, survey
-from .numeric import events_from_numbers, events_from_records, microseconds
+from .numeric import events_from_numbers, events_from_records, microseconds, whole_numbers
 from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format, Sensor
 
@@ -42,6 +44,12 @@ class Rows:
 
     def __len__(self) -> int:
         return len(self._chunks)
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type of a row."""
+        dtype: np.dtype[Any] = self._dataset.dtype
+        return dtype
 
     def __getitem__(self, window: slice) -> NDArray[Any]:
         """The rows from window.start (inclusive) to window.stop (exclusive).
@@ -95,7 +103,13 @@ class Hdf5File:
         self._t_offset: int = found["t_offset"]
         self._index = open_rows(self._file, found["index"]) if found["index"] else None
         self.sensor: Sensor | None = _sensor(found)
-        self.details: Mapping[str, str] = found["details"]
+        self.details: dict[str, str] = found["details"]
+        self._has_whole_floats = False
+        try:
+            self._judge_floats()
+        except BaseException:
+            self._file.close()
+            raise
         self.left_out: Counter[str] = Counter()
         self.remarks: list[str] = []
 
@@ -108,6 +122,19 @@ class Hdf5File:
         for piece, columns in zip(pieces, read, strict=True):
             for begin in range(0, len(columns[0]), BLOCK_EVENTS):
                 yield self._events([column[begin : begin + BLOCK_EVENTS] for column in columns], piece + begin)
+
+    def _judge_floats(self) -> None:
+        """Decide the unit of floating-point times by the first block."""
+        rows, pick = self._columns["t"]
+        dtype = rows.dtype[pick] if isinstance(pick, str) else rows.dtype
+        if dtype.kind != "f" or not self._count:
+            return
+        first = _pick(rows[slice(0, min(_READ_ROWS, self._count))], pick)[:BLOCK_EVENTS]
+        self._has_whole_floats = bool(((first == np.rint(first)) & (np.abs(first) < 1 << 53)).all())
+        self.details["times in"] = UNITS[0 if self._has_whole_floats else 6]
+
+    def _times(self, t: NDArray[Any], first_index: int) -> NDArray[Any]:
+        return whole_numbers("t", t, np.int64, first_index) if self._has_whole_floats else t
 
     def _read(self, begin: int) -> list[NDArray[Any]]:
         """The next values of the columns t, x, y, p; or of the one column of records."""
@@ -124,7 +151,7 @@ class Hdf5File:
             if events is not None:
                 return events
         t, x, y, p = columns
-        return events_from_numbers(t, x, y, p, first_index, self._t_offset)
+        return events_from_numbers(self._times(t, first_index), x, y, p, first_index, self._t_offset)
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""
@@ -136,7 +163,7 @@ class Hdf5File:
 
     def _time_at(self, i: int) -> int:
         rows, pick = self._columns["t"]
-        return int(microseconds(_pick(rows.at(i), pick), i)[0])
+        return int(microseconds(self._times(_pick(rows.at(i), pick), i), i)[0])
 
     def _place_of(self, t_us: int) -> int:
         """An index before which all events are earlier than `t_us`, a time without the file's offset."""

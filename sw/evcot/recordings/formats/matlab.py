@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""MATLAB files with a struct of events, as the tools around the ATIS and N-MNIST write it: TD.x, TD.y, TD.p, TD.ts.
+"""MATLAB files with a struct of events, as the tools around the ATIS and N-MNIST write it: TD.x, TD.y, TD.p, TD.ts; or, in
+version 5 to 7, with a matrix of four columns.
 
 The fields may have any of the names in `hdf5_survey.NAMES`.
 
-Of several structs, TD is read: in files of the ATIS it has the changes, and EM exposure measurements. Else the first. A file of
-version 5 to 7 without structs may have a matrix of four columns, in an order of `column_order`.
+Of several structs, TD is read: in files of the ATIS it has the changes, and EM exposure measurements. Else the first.
 
 MATLAB counts pixels from 1, and so do these tools; other exporters count from 0. The data decide: if some x or y is 0, both
 are counted from 0, else from 1. A polarity of 2 implies the coding 1 and 2, one of -1 the coding -1 and 1, neither 0 and 1.
-`ts` is in microseconds. Files of version 5 to 7 are decoded here; one of 7.3 is HDF5.
+`ts` is in microseconds. Without a struct, the longest matrix of four columns is read; `column_order` says what they are. Its
+times are in seconds if those of the first block are not all whole.
+
+Files of version 5 to 7 are decoded here; one of 7.3 is HDF5.
 https://www.mathworks.com/help/pdf_doc/matlab/matfile_format.pdf
 """
 
@@ -28,10 +31,11 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
-from .column_order import SAMPLED_ROWS, column_order
+from .column_order import SAMPLED_ROWS, Order, column_order, order_text
+from .fields import UNITS
 from .hdf5 import open_file, open_rows
 from .hdf5_survey import NAMES, survey
-from .numeric import whole_numbers
+from .numeric import microseconds, whole_numbers, without_unsigned_minus_one
 from .packing import Section
 from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format, Sensor
@@ -178,13 +182,18 @@ class _Place:
     count: int
 
 
-def _find_struct(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
-    """The name and columns of a struct of events; None for any other variable."""
+def _find_events(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
+    """The name and columns of a struct of events, or of a matrix of four columns, which are called 0 to 3; None for any other
+    variable."""
     kind, _ = elements.tag()
     if kind != _MATRIX:
         return None
     elements.end_at(elements.behind)
     matrix, sides, name = _matrix_head(elements)
+    if _DOUBLE <= matrix <= _UINT64 and len(sides) == 2 and sides[0] > 0 and sides[1] == 4:
+        rows, whole = sides[0], _find_values(name, math.prod(sides), elements)
+        step = rows * whole.dtype.itemsize
+        return name, {str(i): _Place(whole.dtype, whole.at + i * step, rows) for i in range(4)}
     if matrix != _STRUCT or math.prod(sides) != 1:
         return None
     width = elements.whole_numbers(_INT32)
@@ -205,19 +214,6 @@ def _find_struct(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
     return name, places
 
 
-def _find_matrix(elements: _Elements) -> tuple[str, list[_Place]] | None:
-    """The name and columns of a matrix of four columns; None for any other variable."""
-    kind, _ = elements.tag()
-    if kind != _MATRIX:
-        return None
-    elements.end_at(elements.behind)
-    matrix, sides, name = _matrix_head(elements)
-    if not _DOUBLE <= matrix <= _UINT64 or len(sides) != 2 or sides[0] < 1 or sides[1] != 4:
-        return None
-    whole = _find_values(name, elements, math.prod(sides))
-    return name, [_Place(whole.dtype, whole.at + i * sides[0] * whole.dtype.itemsize, sides[0]) for i in range(4)]
-
-
 def _matrix_head(elements: _Elements) -> tuple[int, list[int], str]:
     """(class, numbers of rows, columns and so on, name)."""
     flags = elements.whole_numbers(_UINT32)
@@ -232,17 +228,17 @@ def _find_numbers(field: str, elements: _Elements) -> _Place:
     kind, sides, _ = _matrix_head(elements)
     if not _DOUBLE <= kind <= _UINT64:
         raise RecordingError(f"{field}: is a matrix of class {kind}: must hold numbers")
-    return _find_values(field, elements, math.prod(sides))
+    return _find_values(field, math.prod(sides), elements)
 
 
-def _find_values(field: str, elements: _Elements, size: int) -> _Place:
+def _find_values(name: str, size: int, elements: _Elements) -> _Place:
     place = elements.place
     kind, length = elements.tag()
     if kind not in _NUMBERS:
         raise RecordingError(f"byte {place}: an element of kind {kind}: must hold numbers")
     dtype = np.dtype(elements.order + _NUMBERS[kind])
     if length != size * dtype.itemsize:
-        raise RecordingError(f"{field}: holds {length / dtype.itemsize:g} of {size} numbers: must hold all")
+        raise RecordingError(f"{printable(name)}: holds {length / dtype.itemsize:g} of {size} numbers: must hold all")
     return _Place(dtype, elements.at, size)
 
 
@@ -295,7 +291,8 @@ class _InHdf5:
             yield self.rows[first : min(first + BLOCK_EVENTS, self.count)].ravel()
 
 
-_Struct = tuple[str, dict[str, _Column], list[str]]  # its name, its columns, and the names of the others; also of a matrix
+# Its name, its columns, the names of the others, and the order of the columns of a matrix.
+_Struct = tuple[str, dict[str, _Column], list[str], Order | None]
 
 
 def _choose(names: list[str], wanted: str | None) -> str:
@@ -312,8 +309,9 @@ def _read_version_5(file: io.BufferedReader, wanted: str | None) -> _Struct:
     order = {b"IM": "<", b"MI": ">"}[start[126:128]]
     size = file.seek(0, 2)
     at = _HEADER_BYTES
-    others: list[tuple[_Opener, int, int]] = []
+    others = 0
     structs: dict[str, dict[str, _Column]] = {}
+    matrices: dict[str, dict[str, _Column]] = {}
     while at < size:
         outer = _Elements(Section(file, at, size - at), order, size - at, at)
         kind, length = outer.tag()
@@ -322,36 +320,36 @@ def _read_version_5(file: io.BufferedReader, wanted: str | None) -> _Struct:
         if kind == _COMPRESSED:
             begin = place + outer.at
             open_variable = _opener(file, begin, length, order)
-            end, first_byte = 1 << 32, 0
+            found = _find_events(_Elements(open_variable(), order, 1 << 32))
         else:
             open_variable = _section_opener(file, begin, size - begin)
-            end, first_byte = size - begin, begin
-        found = _find_struct(_Elements(open_variable(), order, end, first_byte))
-        if found is None:
-            others.append((open_variable, end, first_byte))
-            continue
-        name, places = found
-        structs[name] = {field: _Stored(field, places[field], open_variable) for field in _FIELDS}
-    for open_variable, end, first_byte in () if structs else others:
-        matrix = _find_matrix(_Elements(open_variable(), order, end, first_byte))
-        if matrix is not None:
-            name, columns = matrix
-            structs[name] = _in_order(name, [_Stored(name, column, open_variable) for column in columns])
+            found = _find_events(_Elements(open_variable(), order, size - begin, begin))
+        if found is not None:
+            name, places = found
+            kept = matrices if "0" in places else structs
+            kept[name] = {field: _Stored(field, place, open_variable) for field, place in places.items()}
+        others += found is None
+    if not structs and matrices:
+        return _of_matrices(matrices, wanted)
     if not structs:
-        count = "1 variable" if len(others) == 1 else f"{len(others)} variables"
+        count = "1 variable" if others == 1 else f"{others} variables"
         raise RecordingError(f"holds {count}, no struct with the fields {', '.join(_FIELDS)}, and no matrix of four columns")
     name = _choose([*structs], wanted)
-    return name, structs[name], [other for other in structs if other != name]
+    return name, structs[name], [other for other in structs if other != name], None
 
 
-def _in_order(name: str, columns: list[_Stored]) -> dict[str, _Column]:
-    """The columns of a matrix, by field."""
-    sample = np.stack([next(column.blocks())[:SAMPLED_ROWS] for column in columns], axis=1)
+def _of_matrices(matrices: dict[str, dict[str, _Column]], wanted: str | None) -> _Struct:
+    """The longest matrix, or the one of a name, with its columns in the order that their first values show."""
+    name = _choose(sorted(matrices, key=lambda each: -matrices[each]["0"].count), wanted)
+    columns = matrices[name]
+    sample = np.stack([next(columns[str(i)].blocks())[:SAMPLED_ROWS].astype(np.float64) for i in range(4)], axis=1)
+    sample -= (sample == 2).any(axis=0) & np.isin(sample, (1, 2)).all(axis=0)  # polarities 1 and 2
     try:
         order = column_order(sample)
     except RecordingError as error:
         raise RecordingError(f"{printable(name)}: {error}") from error
-    return {field: columns[i] for field, i in zip(("ts", "x", "y", "p"), order, strict=True)}
+    fields = {field: columns[str(i)] for field, i in zip(("ts", "x", "y", "p"), order, strict=True)}
+    return name, fields, [other for other in matrices if other != name], order
 
 
 def _section_opener(file: io.BufferedReader, begin: int, length: int) -> _Opener:
@@ -381,7 +379,7 @@ def _read_version_7_3(path: Path, wanted: str | None) -> tuple[_Struct, Any]:
         file.close()
         raise
     columns: dict[str, _Column] = {"ts" if field == "t" else field: _InHdf5(rows) for field, rows in held.items()}
-    return (found["details"]["events"], columns, found["others"]), file
+    return (found["details"]["events"], columns, found["others"], None), file
 
 
 class _MatlabFile:
@@ -392,20 +390,23 @@ class _MatlabFile:
         try:
             if _is_version_7_3(self._file.read(_HEADER_BYTES)):
                 self._file.close()
-                (name, self._columns, others), self._file = _read_version_7_3(path, wanted)
+                (name, self._columns, others, order), self._file = _read_version_7_3(path, wanted)
             else:
                 self._file.seek(0)
-                name, self._columns, others = _read_version_5(self._file, wanted)
+                name, self._columns, others, order = _read_version_5(self._file, wanted)
             self._look_over()
+            self._in_seconds = order is not None and _has_fractions(self._columns["ts"])
         except BaseException:
             self._file.close()
             raise
         self.sensor: Sensor | None = None
         self.left_out: Counter[str] = Counter()
         self.remarks: list[str] = []
-        self.details: Mapping[str, str] = {"struct": printable(name), "pixels": f"counted from {self._first}"} | (
-            {"also holds": ", ".join(map(printable, others))} if others else {}
-        )
+        details = {"struct" if order is None else "matrix": printable(name), "pixels": f"counted from {self._first}"}
+        if order is not None:
+            named = f"{order_text(order)}, assumed by their values; a struct with the fields {', '.join(_FIELDS)} names them"
+            details |= {"times in": UNITS[6 if self._in_seconds else 0], "columns": named}
+        self.details: Mapping[str, str] = details | ({"also holds": ", ".join(map(printable, others))} if others else {})
 
     def _look_over(self) -> None:
         """Detect the coding of pixels and polarities."""
@@ -421,9 +422,10 @@ class _MatlabFile:
         """See `source.Source`; `from_us` is ignored."""
         first = 0
         for ts, x, y, p in zip(*(self._columns[field].blocks() for field in ("ts", "x", "y", "p")), strict=True):
+            p = without_unsigned_minus_one(p)
             columns = [whole_numbers(field, values, np.int32, first) for field, values in (("x", x), ("y", y), ("p", p))]
             yield Events(
-                t_us=whole_numbers("ts", ts, np.int64, first),
+                t_us=microseconds(ts, first) if self._in_seconds else whole_numbers("ts", ts, np.int64, first),
                 x=whole_numbers("x", columns[0] - self._first, np.uint16, first),
                 y=whole_numbers("y", columns[1] - self._first, np.uint16, first),
                 p=whole_numbers("p", columns[2] - self._p_first, np.uint8, first, signed=True),
@@ -437,6 +439,12 @@ class _MatlabFile:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+def _has_fractions(column: _Column) -> bool:
+    """Whether some number of the first block is not whole."""
+    values = next(column.blocks(), np.empty(0))
+    return bool((values != np.rint(values)).any())
 
 
 def _is_version_7_3(start: bytes) -> bool:

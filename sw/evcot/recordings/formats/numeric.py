@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 
-__all__ = ["RECORD", "events_from_numbers", "events_from_records", "microseconds", "polarities", "whole_numbers"]
+__all__ = [
+    "RECORD",
+    "events_from_numbers",
+    "events_from_records",
+    "microseconds",
+    "polarities",
+    "whole_numbers",
+    "without_unsigned_minus_one",
+]
 
 _Width = TypeVar("_Width", bound=np.integer[Any])
 # Above this, floating-point numbers cannot represent every microsecond; and sums of times stay within 64 bits.
@@ -70,10 +78,25 @@ def polarities(values: NDArray[Any], first_index: int = 0) -> NDArray[np.uint8]:
     Raises:
         RecordingError: another value.
     """
-    if values.dtype.kind == "u":
-        minus_one = values == np.iinfo(values.dtype).max
-        values = np.where(minus_one, values.dtype.type(0), values) if minus_one.any() else values
+    values = without_unsigned_minus_one(values)
     return whole_numbers("p", values, np.uint8, first_index, signed=values.dtype.kind in "if")
+
+
+def without_unsigned_minus_one(values: NDArray[Any]) -> NDArray[Any]:
+    """Polarities with 0 in place of the largest number of an unsigned type, which is -1 without its sign.
+
+    Raises:
+        RecordingError: 0 occurs, too, and 1 does not: the largest number may then stand for 1.
+    """
+    if values.dtype.kind != "u":
+        return values
+    most = np.iinfo(values.dtype).max
+    minus_one = values == most
+    if not minus_one.any():
+        return values
+    if (values == 0).any() and not (values == 1).any():
+        raise RecordingError(f"p = {most} and p = 0: must be {most}, which is -1 without its sign, and 1; or 0 and 1")
+    return np.where(minus_one, values.dtype.type(0), values)
 
 
 def microseconds(values: NDArray[Any], first_index: int = 0, t0_us: int = 0) -> NDArray[np.int64]:

@@ -4,7 +4,7 @@
 Cells are separated by comma, semicolon, tab or spaces. They hold t, x, y, p in that order, or in the order of a header line
 (`x;y;polarity;t_us`); without one, in the order that the first lines show (`column_order`). Other columns are skipped, and so
 are blank lines and those that begin with # or %. Every line must have as many cells as the first event. p is 1 or true where
-the pixel became brighter, 0, -1 or false where darker.
+the pixel became brighter, 0, -1 or false where darker; 255, 65535 and 4294967295 are -1 without its sign.
 
 The unit of time is stated in the header (`t_us`, `t_s`, `t[s]`), else it is seconds if the first event's t has a decimal point
 or an exponent, else whole microseconds. Times are rounded to the nearest microsecond, halves away from zero.
@@ -32,6 +32,7 @@ from ._text_kernel import LINE_BYTES, PADDING_BYTES, SHORTEST_LINE_BYTES, format
 from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, is_text, read_layout
 from .ahead import in_order
 from .fields import UNITS
+from .numeric import without_unsigned_minus_one
 from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
@@ -121,7 +122,8 @@ class _TextSource:
         fault = None
         if cell >= 0:
             fault = layout.fault(text[:length].tobytes().split(b"\n", lines + 1)[lines] + b"\n", cell)
-        return _Parsed(events[:count], lines, fault)
+        events = events[:count]
+        return _Parsed(Events(events.t_us, events.x, events.y, without_unsigned_minus_one(events.p)), lines, fault)
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""

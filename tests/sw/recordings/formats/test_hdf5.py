@@ -243,6 +243,16 @@ def test_seconds_are_rounded_to_the_nearest_microsecond(tmp_path: Path) -> None:
     assert read_recording(path).events.t_us.tolist() == [123456, 123457, 1500000000250000]
 
 
+@pytest.mark.parametrize("kind", ["f4", "f8"])
+def test_floating_point_times_that_are_all_whole_are_microseconds(tmp_path: Path, kind: str) -> None:
+    columns = {"t": T_US.astype(kind), "x": X, "y": Y, "p": P}
+    path = make(tmp_path / "events.h5", lambda file: put(file.create_group("raw_events"), columns))
+    with open_recording(path) as file:
+        assert file.details["times in"] == "microseconds"
+        assert_events(file.read().events)
+        assert_events(file.read(from_us=7321).events, int(np.searchsorted(T_US, T_US[0] + 7321)))
+
+
 @pytest.mark.parametrize(
     ("column", "values", "message"),
     [

@@ -164,21 +164,37 @@ def test_the_first_struct_is_read_where_none_is_called_td(tmp_path: Path) -> Non
         assert (file.details["struct"], file.details["also holds"]) == ("b", "a")
 
 
-@pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
 @pytest.mark.parametrize("order", ["txyp", "xytp", "xypt", "ptxy"])
-@pytest.mark.parametrize("kind", [np.float64, np.int32])
-def test_a_matrix_of_four_columns_is_read_in_any_order(tmp_path: Path, order: str, kind: type, compressed: bool) -> None:
-    columns = {"t": T_US, "x": X, "y": Y, "p": P}
-    matrix = np.stack([columns[field] for field in order], axis=1).astype(kind)
-    content = {"before": np.eye(3), "events": matrix, "note": "four columns"}
+@pytest.mark.parametrize("kind", ["seconds", "whole", "uint32"])
+@pytest.mark.parametrize("coding", ["1 and 2", "-1 and 1", "0 and 1"])
+@pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
+def test_a_matrix_of_four_columns_is_read_in_any_order(
+    tmp_path: Path, order: str, kind: str, coding: str, compressed: bool
+) -> None:
+    t = (T_US + 70_000) * (1e-6 if kind == "seconds" else 1)
+    rows = np.stack([{"t": t, "x": X, "y": Y, "p": POLARITIES[coding]}[name] for name in order], axis=1)
+    if kind == "uint32" and coding != "-1 and 1":
+        rows = rows.astype(np.uint32)
+    content = {"camera": np.eye(4), "events": rows, "note": "text"}
     with open_recording(write(tmp_path / "events.mat", content, do_compression=compressed)) as file:
-        assert_events(file.read().events)
-        assert file.details["struct"] == "events"
+        events = file.read().events
+        assert file.details["matrix"] == "events"
+        assert file.details["columns"].startswith(f"{', '.join(order)}, assumed by their values; ")
+        assert file.details["times in"] == ("seconds" if kind == "seconds" else "microseconds")
+    assert_events(Events(events.t_us - 70_000, events.x, events.y, events.p))
 
 
-def test_a_matrix_is_not_read_where_there_is_a_struct(tmp_path: Path) -> None:
-    with open_recording(write(tmp_path / "events.mat", {"a": np.ones((9, 4)), "TD": struct(0, P)})) as file:
-        assert_events(file.read().events)
+def test_a_struct_comes_before_a_matrix_and_small_matrices_are_no_events(tmp_path: Path) -> None:
+    content = {"camera": np.ones((90, 4)), "TD": struct(0, P)}
+    assert_events(read_recording(write(tmp_path / "events.mat", content)).events)
+    assert "event 0: x = 0.5: must be a whole number" in refusal(write(tmp_path / "k.mat", {"k": np.full((4, 4), 0.5)}))
+
+
+def test_damage_to_a_matrix(tmp_path: Path) -> None:
+    rows = np.stack([T_US + 70_000, X, Y, P], axis=1).astype(np.uint32)
+    content = write(tmp_path / "whole.mat", {"events": rows}).read_bytes()
+    outcomes = fuzz(tmp_path / "events.mat", content, corruptions=1000, seed=32)
+    assert outcomes.refused > len(content) // 2
 
 
 def test_a_matrix_that_has_no_times_is_refused(tmp_path: Path) -> None:

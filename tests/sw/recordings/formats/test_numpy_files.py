@@ -301,5 +301,5 @@ def test_a_polarity_of_minus_one_in_an_unsigned_type(dtype: type[np.uint8], tmp_
     np.savez(tmp_path / "a.npz", t=np.arange(4), x=np.arange(4), y=np.arange(4), p=p)
     assert read_recording(tmp_path / "a.npz").events.p.tolist() == [1, 0, 0, 0]
     np.savez(tmp_path / "a.npz", t=np.arange(4), x=np.arange(4), y=np.arange(4), p=p - dtype(1))
-    with pytest.raises(RecordingError, match=r"event 1: p = \d+: must be "):
+    with pytest.raises(RecordingError, match=r"p = \d+( and p = 0)?: must be "):
         read_recording(tmp_path / "a.npz")
