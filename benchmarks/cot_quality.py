@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quality of the hardware tracker's tracks with its presets for traffic and discs; hardware and golden model must be equal.
 
-On the real motorway (whole, and both halves apart: the preset was tuned on the first) and on simulated motorways and discs of
-seeds that it was not tuned on; beside the preset for the sensor, which nobody tuned, and the software tracker.
+Recordings: the real motorway as a whole and in halves, of which the first tuned the preset (validation); simulated motorways
+and discs of other seeds (test). The preset for the sensor, which nobody tuned, and the software tracker are scored as well.
 `python benchmarks/cot_quality.py` prints the tables of docs/defaults.md.
 """
 

@@ -6,8 +6,8 @@ python benchmarks/steadiness.py --keep before.json     # keep the scores, then c
 python benchmarks/steadiness.py --against before.json  # differences of equal recordings, by family, with their standard errors
 
 What is lost is the same in every run, so that differences are of the tracker alone. A change that helps one recording by 0.05
-and hurts the next as much is no progress: look at a family's mean beside its standard error, and with `--losses-from` at other
-losses than those on which the change was chosen. Members of test sets are left out.
+and hurts the next as much is no progress. Compare a family's mean with its standard error, and score other losses
+(`--losses-from`) than those on which the change was chosen. Members of test sets are left out.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ ROOTS = {"evcot": REPOSITORY / "sw", "evcot_cosim": REPOSITORY / "cosim"}
 # Rooms and single modules, in the order in which data flows: each may import those before it, and nothing of what follows.
 ROOMS = {
     "evcot": (
-        "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "outputs", "toml_file",
+        "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "toml_file", "outputs",
         "templating", "structured", "_sound_kernel", "events", "digest", "ticks", "unfinished", "compiling", "recordings",
         "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "api", "pictures", "anomalies",
         "__main__",

@@ -18,7 +18,6 @@ import shutil
 import stat
 import sys
 import tempfile
-import tomllib
 import weakref
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -28,7 +27,8 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from .errors import OutputError
+from .errors import ConfigError, OutputError
+from .toml_file import toml_tables
 
 __all__ = [
     "RUN_FILE",
@@ -355,8 +355,8 @@ def _made(folder: Path) -> tuple[str, dict[str, str] | None]:
         return "", None
     try:
         _, mark, made = run.read_text(encoding="utf-8").partition(_LIST)
-        found = tomllib.loads(mark + made)
-    except (OSError, ValueError, RecursionError):
+        found = toml_tables(mark + made)
+    except (OSError, UnicodeDecodeError, ConfigError):
         return "", None
     files, command = found.get("files"), found.get("made", {}).get("command")
     if not isinstance(files, dict) or not isinstance(command, str):

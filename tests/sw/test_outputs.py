@@ -264,6 +264,14 @@ class TestFolders:
         assert (own_files(Path("run")), names("run")) == (None, before)
         assert (Path("mine").read_text(), Path("run/more/mine").read_text()) == ("mine", "mine")
 
+    def test_a_list_with_a_key_of_very_many_parts_is_no_list(self) -> None:
+        """It would take more memory than the square of their number."""
+        run_into("run", a="1")
+        with Path("run/run.toml").open("a") as file:
+            file.write(f"[{'.'.join('a' * 17)}]\n")
+        with pytest.raises(OutputError, match="holds files, and evcot did not make it"):
+            run_into("run", a="2")
+
     def test_a_folder_belongs_to_the_command_that_made_it(self) -> None:
         run_into("run", a="1")
         with pytest.raises(OutputError) as caught, folder_written_aside(Path("run"), "sweep"):

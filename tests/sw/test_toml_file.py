@@ -16,6 +16,8 @@ REFUSED = {
     "quoted key": (" . ".join(["'a'", '"b"'] * 9) + " = 1", "line 1: a key has too many parts: must have at most 16"),
     "header": ("[" + ".".join("a" * 17) + "]", "line 1: a key has too many parts: must have at most 16"),
     "size": ("#" * (BYTES_MAX + 1), "has more than 16 MiB: must be smaller"),
+    "null": ('[x]\na = ["b", {c = "d\\u0000"}]', "'d\\x00': has a null character: must have none"),
+    "null in a key": ('"a\\u0000" = 1', "'a\\x00': has a null character: must have none"),
     "text": ("a = = 1", "is not TOML: Invalid value (at line 1, column 5)"),
 }
 

@@ -22,7 +22,7 @@ from .fields import RTL
 from .folder import SPEC
 from .results import Group, Level, front, responses
 from .spec import Spec, spec_toml
-from .task import FUZZ, canonical
+from .task import FUZZ, Task, canonical
 
 __all__ = ["render"]
 
@@ -216,7 +216,7 @@ def _suites(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Of a regression: counts by module and shape."""
     found: dict[str, dict[str, Any]] = {}
     for row in sorted(rows, key=lambda row: (row["hardware"], row["task"])):
-        shape = json.loads(row["task"])["tables"].get("shape", {})
+        shape = Task.from_json(row["task"]).tables.get("shape", {})
         sizes = ", ".join(f"{field} = {value}" for field, value in shape.items()) or "default shape"
         name = f"{row['hardware']}: {sizes}"
         suite = found.setdefault(name, {"name": name, "runs": 0, "exact": 0, "mismatches": 0, "failed": 0, "events": 0})

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -53,7 +52,7 @@ def write_playback(folder: Path, rows: Sequence[Mapping[str, Any]]) -> dict[str,
 
 
 def _material(row: Mapping[str, Any]) -> Material:
-    task = Task.from_dict(json.loads(row["task"]))
+    task = Task.from_json(row["task"])
     assert task.input is not None
     with opened(task.input) as stream:
         found: Tracked = tracked(task, stream, whole=True)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -62,7 +61,7 @@ def repeat(folder: Path, key: str) -> Repeated:
     if len(matching) != 1:
         raise ConfigError(f"--only {key}: is the key of {len(matching)} runs in {folder}: must be that of one")
     stored = matching[0]
-    row = execute(Task.from_dict(json.loads(stored["task"])))
+    row = execute(Task.from_json(stored["task"]))
     names = ("status", "error", *METRICS)
     compared = [Difference(name, stored[name], row.get(name)) for name in names]
     different = tuple(each for each in compared if each.stored != each.now)

@@ -10,6 +10,8 @@ from functools import cached_property
 from hashlib import blake2b
 from typing import Any
 
+from evcot.errors import ConfigError
+
 __all__ = ["FUZZ", "Input", "Task", "canonical"]
 
 MOTION = "cot_motion"  # in a regression by seeds; elsewhere it is `cot_array` with motion.enable
@@ -107,10 +109,21 @@ class Task:
         return values | {"input": None if self.input is None else {**vars(self.input)}}
 
     @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> Task:
-        """The task of such values."""
-        own = values["input"]
-        return cls(**{**values, "input": None if own is None else Input(**own)})
+    def from_json(cls, text: str) -> Task:
+        """The task of a stored row.
+
+        Raises:
+            ConfigError: the text is not one of a task.
+        """
+        try:
+            values = json.loads(text)
+            own = values["input"]
+            task = cls(**{**values, "input": None if own is None else Input(**own)})
+            if not isinstance(task.tables, dict):
+                raise TypeError("tables")
+            return task
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
+            raise ConfigError(f"task = {text[:60]!r}: must be a task, as `evcot sweep` stores it") from error
 
 
 def canonical(value: Any) -> str:

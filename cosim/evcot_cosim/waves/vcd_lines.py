@@ -170,7 +170,7 @@ def _changes(path: Path, begin: bytes, blocks: Iterator[bytes]) -> Iterator[byte
 
 def _end_of_words(text: bytes) -> int:
     """Where the last whole line of a text ends, or its last whole word if it is a part of one line."""
-    return text.rfind(b"\n") + 1 or text.rfind(b" ") + 1
+    return text.rfind(b"\n") + 1 or max(text.rfind(space) for space in b" \t\r\v\f") + 1
 
 
 def _time(path: Path, word: str) -> int:

@@ -153,6 +153,13 @@ def test_a_truth_beside_a_recording_that_cannot_be_used_is_warned_of(made: Path,
     assert "No truth is known" in Path("b.html").read_text()
 
 
+@pytest.mark.parametrize("page", ["javascript:alert(1)", "../part-00000.html", None])
+def test_the_pages_of_a_long_run_are_files_of_its_folder(page: str | None, folder: Path, capsys: Capture) -> None:
+    Path("summary.json").write_text(json.dumps({"parts": [{"page": "part-00000.html"}, {"page": page}]}))
+    assert main(["report", "."]) == 2
+    assert "summary.json: parts: each must have a page with a name such as part-00000.html" in capsys.readouterr().err
+
+
 def test_a_summary_that_is_none(folder: Path, capsys: Capture) -> None:
     for text, message in (("{", "is not JSON"), ("[]", "must hold an object")):
         Path("summary.json").write_text(text)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import signal
@@ -127,10 +126,18 @@ def test_one_run_is_repeated_by_its_key(once: tuple[Swept, Path], monkeypatch: p
     assert repeat(out, row["key"][:12]).row["hota"] == row["hota"]
     with pytest.raises(ConfigError, match="--only 0: is the key of 0 runs"):
         repeat(out, "0")
-    changed = execute(Task.from_dict(json.loads(row["task"])))
+    changed = execute(Task.from_json(row["task"]))
     monkeypatch.setattr("evcot_cosim.sweep.repeat.execute", lambda _: changed | {"hota": 0.25})
     (difference,) = repeat(out, row["key"]).differences
     assert (difference.name, difference.stored, difference.now) == ("hota", row["hota"], 0.25)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "{}", '{"input": null}', '{"input": {"x": 1}}', '{"input": null, "engine": "rct", "tables": 1}']
+)
+def test_a_stored_task_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(ConfigError, match=r"^task = '.*': must be a task, as `evcot sweep` stores it$"):
+        Task.from_json(text)
 
 
 def test_a_file_that_changes_is_noticed(folder: Path, tmp_path: Path) -> None:

@@ -44,6 +44,7 @@ b11 "
 BODIES = {
     "a line each": CHANGES,
     "one line": " ".join(CHANGES.split()),
+    "one line with tabs": "\t".join(CHANGES.split()),
     "a word each": "\n".join(CHANGES.split()),
     "carriage returns and tabs": CHANGES.replace("\n", "\r\n").replace(" ", "\t"),
     "times with fractions of zero": CHANGES.replace("#5", "#5.0").replace("#10", "#10.00"),
@@ -67,6 +68,7 @@ def changes_of(wave: Wave, name: str) -> list[tuple[int, str]]:
 @pytest.mark.parametrize("body", BODIES)
 def test_white_space_changes_nothing(body: str, block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_BLOCK", block)
+    monkeypatch.setattr(module, "_LONGEST", 2 * block + 40)
     wave = Wave.open(made(tmp_path, HEADER + BODIES[body]))
     assert changes_of(wave, "top.a") == [(0, "0"), (5, "1"), (10, "0")]
     assert changes_of(wave, "top.n") == [(0, "0"), (5, "5"), (10, "3")]

@@ -116,7 +116,7 @@ def job_from(
     seen = None
     if from_estimates:
         sensor = recording.width, recording.height
-        # What is compiled of the model does not depend on what is seen.
+        # Which code of the model is compiled does not depend on the estimates.
         preset = "motion" if _has_motion(options, top) else None
         with compiling_aside(compile_model, recording.events[:1], sensor, run_config(*sensor, preset)):
             if more:

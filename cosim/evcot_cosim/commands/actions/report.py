@@ -33,6 +33,7 @@ from .progress import Progress
 
 __all__ = ["run"]
 
+_PAGE = re.compile(r"part-[0-9]{5,}\.html")  # of a part of a long run
 _SIDES = {"cot-rtl": "hardware", "cot-model": "model"}  # names of engines; any other is software
 
 
@@ -79,6 +80,8 @@ def _overview(options: argparse.Namespace, summary: dict[str, Any], folder: Path
     if len(options.run) > 1 or options.truth or path.resolve().parent != folder.resolve():
         rule = "must be given alone, without -o, logs or truth: its pages are beside its report"
         raise ConfigError(f"{folder}: is a run of more than {EVENTS_MAX} events: {rule}")
+    if not all(isinstance(part, dict) and _PAGE.fullmatch(str(part.get("page"))) for part in summary["parts"]):
+        raise ConfigError(f"{folder / SUMMARY}: parts: each must have a page with a name such as part-00000.html")
     write_overview(summary, path, force=force)
     remade(path)
     return _said(options, path, summary["events"])
