@@ -75,16 +75,22 @@ def main(argv: Sequence[str] | None = None, loaded: Callable[[], None] | None = 
         return MISMATCH
     except DamagedRecordingError as error:
         rescue = " (--skip-damaged reads what can be read)" if hasattr(options, "skip_damaged") else ""
-        print(f"evcot: {error}{rescue}", file=sys.stderr)
+        _say(f"{error}{rescue}")
         return USER_ERROR
     except EvcotError as error:
-        print(f"evcot: {error}", file=sys.stderr)
+        _say(str(error))
         return USER_ERROR
     except BrokenPipeError:
         return 0
     except OSError as error:  # a full disk under a cache, and the like
-        print(f"evcot: {error.filename or 'a file'}: {error.strerror or error}", file=sys.stderr)
+        _say(f"{error.filename or 'a file'}: {error.strerror or error}")
         return USER_ERROR
+
+
+def _say(message: str) -> None:
+    """Print an error or a warning in one line: the name of a file may hold a line break, or codes for a terminal."""
+    shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in message)
+    print(f"evcot: {shown}", file=sys.stderr)
 
 
 @contextmanager
@@ -97,9 +103,9 @@ def _warnings_in_one_line() -> Iterator[None]:
 
         def show_in_one_line(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
             if issubclass(category, RecordingWarning):
-                line = f"evcot: warning: {message}"
+                line = f"warning: {message}"
                 if line not in shown:
-                    print(line, file=sys.stderr)
+                    _say(line)
                 shown.add(line)
             else:
                 show(message, category, *place, **more)

@@ -201,6 +201,11 @@ def test_a_bad_file(name: str, content: bytes | None, message: str, capsys: Capt
     assert error_of(capsys, "cosim", name).startswith(message)
 
 
+def test_a_name_with_a_line_break_and_codes_for_a_terminal_is_told_in_one_line(capsys: Capture) -> None:
+    assert main(["info", "a\nb\x1b[31m.raw"]) == 2
+    assert capsys.readouterr().err == "evcot: a\\nb\\x1b[31m.raw: cannot be read: No such file or directory\n"
+
+
 @pytest.mark.parametrize(
     ("toml", "message"),
     [
