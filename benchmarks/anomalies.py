@@ -51,7 +51,7 @@ def _rct(recording: Recording, _truth: Truth) -> TrackLog:
 
 ENGINES: dict[str, Engine] = {
     "truth": lambda _recording, truth: truth_log(truth),
-    "auto": lambda recording, _truth: evcot.track(recording, "auto"),
+    "adaptive": lambda recording, _truth: evcot.track(recording, "adaptive"),
     "rct": _rct,
 }
 

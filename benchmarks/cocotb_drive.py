@@ -18,7 +18,7 @@ import numpy as np
 
 import streams
 from bare import Outcome, register_writes, verilator_flags
-from evcot.hardware.cot import Decisions
+from evcot.hardware.model import Decisions
 from evcot.ticks import TickedEvents
 from evcot_cosim.devices.device import Device, build_device
 from evcot_cosim.rtl.files import rtl_files, search_flags
@@ -35,7 +35,7 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
     """stream_vs_cocotb: both drive the same run of events through an array of the same parameters."""
     if importlib.util.find_spec("cocotb") is None:
         raise Skip("cocotb is not installed (pip install 'evcot[bench]')")
-    config = streams.config().cot
+    config = streams.config().hardware
     model = build_device(config)
     n = 10_000 if quick else 50_000
     events = streams.joined(n)

@@ -7,7 +7,7 @@ import numpy as np
 
 from evcot.events import Recording
 from evcot.hardware.contract import RECORD
-from evcot.hardware.cot import to_track_records, track
+from evcot.hardware.golden import to_track_records, track
 from evcot.trackers.config import RunConfig
 from evcot.tracks.log import TrackLog
 from evcot_cosim.devices.device import build_device
@@ -22,7 +22,7 @@ def cot_log(recording: Recording, config: RunConfig, *, rtl: bool = True) -> Tra
     Raises:
         MismatchError: hardware and model differ.
     """
-    cot = config.hardware(recording.width, recording.height)
+    cot = config.device_config(recording.width, recording.height)
     if not rtl:
         return track(recording, cot)
     events = recording.events
@@ -30,4 +30,4 @@ def cot_log(recording: Recording, config: RunConfig, *, rtl: bool = True) -> Tra
         steps = [lockstep.feed(run).hardware for run in chunks(events)]
     raw = np.concatenate([np.empty(0, RECORD), *(step.records for step in steps)])
     records = to_track_records(raw, cot, events.t_us, 0, int(events.t_us[0]))
-    return TrackLog("cot-rtl", records, np.concatenate([step.owner for step in steps]))
+    return TrackLog(cot.module, records, np.concatenate([step.owner for step in steps]))

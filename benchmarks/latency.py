@@ -5,21 +5,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 import streams
+from evcot.hardware.config import with_module
+from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, StreamTimes, build_device
-from evcot_cosim.names import Top
 from measure import Goal, Result
 
 __all__ = ["measure"]
 
-_SIZES = {"cot": (1,), "cot_chain": (1, 8, 32), "cot_array": (1, 8, 32)}
+_SIZES: dict[Module, tuple[int, ...]] = {"cot": (1,), "cot_chain": (1, 8, 32), "cot_array": (1, 8, 32)}
 
 # The published VHDL, its cell (its library with the output line needs 14): clocks to a centre, and for each tracker in front.
 _PUBLISHED_CLOCKS, _PUBLISHED_PER_TRACKER = 7, 3
@@ -29,34 +29,34 @@ _SETTLE_CLOCKS = 256  # between events of the unloaded run: longer than a merge 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
     """clocks_per_event_*, latency_* and latency_loaded_* for every module and size."""
-    for top, sizes in _SIZES.items():
+    for module, sizes in _SIZES.items():
         for slots in sizes:
-            yield from _one(cast(Top, top), slots, 20_000 if quick else 200_000)
+            yield from _one(module, slots, 20_000 if quick else 200_000)
 
 
-def _one(top: Top, slots: int, n: int) -> Iterator[Result]:
-    config = streams.config(slots).cot
-    model = build_device(config, top)
+def _one(module: Module, slots: int, n: int) -> Iterator[Result]:
+    config = with_module(streams.config(slots).hardware, module)
+    model = build_device(config)
     events = streams.joined(n, discs=slots)
 
     def run(stalls: Stalls, count: int) -> tuple[float, NDArray[np.int64], NDArray[np.uint8]]:
-        device = Device(config, top, stalls=stalls, model=model)
+        device = Device(config, stalls=stalls, model=model)
         before = device.cycle
         decisions, times = device.stream_timed(events[:count])
         return (device.cycle - before) / count, *_latencies(decisions.records, times)
 
-    name = f"{top}_{slots}"
+    name = f"{module}_{slots}"
     loaded_clocks, loaded, _ = run(Stalls(), n)
     now_and_then = np.zeros(_SETTLE_CLOCKS, np.uint8)
     now_and_then[0] = 1
     _, alone, slot = run(Stalls(source=now_and_then), n // 10)
     deepest = int(slot.max())
-    ahead = deepest if top == "cot_chain" else 0
+    ahead = deepest if module == "cot_chain" else 0
     published = _PUBLISHED_CLOCKS + _PUBLISHED_PER_TRACKER * ahead
 
     yield Result(f"clocks_per_event_{name}", loaded_clocks, "clocks", how="events offered at every clock")
     at = alone[slot == deepest]
-    goal = None if top == "cot_array" else Goal(1, at_most=True)  # the array's pipeline is for the rate: an event per clock
+    goal = None if module == "cot_array" else Goal(1, at_most=True)  # the array's pipeline is for the rate: an event per clock
     yield Result(
         f"latency_{name}", float(np.median(at)), "clocks", float(published), "published VHDL, its cell",
         goal=goal,

@@ -25,7 +25,6 @@ from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks
 from evcot_cosim.lockstep.long import run_long
 from evcot_cosim.lockstep.run_file import Source
-from evcot_cosim.names import DEFAULT_TOP
 from measure import Clock, Goal, Result, Timing, take_turns, timed
 from memory import own_peak_mb
 
@@ -97,11 +96,11 @@ def _rate(folder: Path, path: Path, rounds: int) -> Result:
     """Lock-step of a file, with its reading, the software tracker and both logs, against that of its events in memory."""
     recording = read_recording(path)
     config = run_config(recording.width, recording.height, "discs")
-    cot = config.hardware(recording.width, recording.height)
-    model = build_device(cot, DEFAULT_TOP, waves=False, savable=True)
+    cot = config.device_config(recording.width, recording.height)
+    model = build_device(cot, waves=False, savable=True)
 
     def bare() -> Timing:
-        with Lockstep(cot, DEFAULT_TOP, model=model) as lockstep:
+        with Lockstep(cot, model=model) as lockstep:
             parts = chunks(recording.events)
             lockstep.feed(next(parts))
 
@@ -118,7 +117,7 @@ def _rate(folder: Path, path: Path, rounds: int) -> Result:
             began[2:] = time.perf_counter(), time.thread_time()
 
         with unfinished(folder / "rate", lambda: "") as work:
-            run_long(Source(str(path)), config, DEFAULT_TOP, work, progress=progress)
+            run_long(Source(str(path)), config, work, progress=progress)
         return Timing(began[-2] - began[0], began[-1] - began[1])
 
     turns = take_turns({"bare": bare, "long": long}, rounds)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where `auto` loses on members of the field: which instants of objects are missed, and what is there instead.
+"""Where `adaptive` loses on members of the field: which instants of objects are missed, and what is there instead.
 
 python benchmarks/losses.py                                             # recorded and simulated roads: a mean for each family
 python benchmarks/losses.py --families hand pendulum --seed-set 2
@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from evcot.metrics.clear import clear
 from evcot.metrics.frames import Frames, Matches, line_up
 from evcot.metrics.hota import hota
-from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.tracker import AutoTracker
+from evcot.trackers.adaptive.config import AdaptiveConfig
+from evcot.trackers.adaptive.tracker import AdaptiveTracker
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.windows import sampled
 from field import Absent, Member, entries
@@ -88,7 +88,7 @@ def _lined_up(log: TrackLog, member: Member) -> tuple[Frames, NDArray[np.void], 
 def _followed(member: Member) -> tuple[TrackLog, TrackLog, list[Boxes]]:
     """The log; the log if what becomes visible were reported at once; and at each instant the boxes that are not reported."""
     recording = member.recording
-    tracker = AutoTracker(AutoConfig(), recording.width, recording.height)
+    tracker = AdaptiveTracker(AdaptiveConfig(), recording.width, recording.height)
     world = tracker._world
     parts, tentative, done = [np.empty(0, TRACK)], [], 0
     early: list[tuple[int, int, NDArray[np.void]]] = []  # slot, born_us, record
@@ -116,7 +116,7 @@ def _followed(member: Member) -> tuple[TrackLog, TrackLog, list[Boxes]]:
     whole = np.concatenate(parts)
     nobody = np.empty(0, np.int16)
     whole = whole[np.argsort(whole["t_us"], kind="stable")]
-    return TrackLog("auto", records, nobody), TrackLog("auto", whole, nobody), tentative
+    return TrackLog("adaptive", records, nobody), TrackLog("adaptive", whole, nobody), tentative
 
 
 def _record(state: NDArray[np.float64], t_us: int) -> NDArray[np.void]:

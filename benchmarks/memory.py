@@ -36,7 +36,7 @@ def _peak_mb(events: int) -> float:
 
 
 def _main(events: int) -> None:
-    with Lockstep(streams.config().cot) as lockstep:
+    with Lockstep(streams.config().hardware) as lockstep:
         for run in streams.runs(events, CHUNK):
             lockstep.feed(run)
     print(own_peak_mb())

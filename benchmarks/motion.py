@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The array with motion beside the array without: one configuration, the golden model, the goals of docs/motion.md.
+"""cot_motion beside cot_array: one configuration, the golden model, the goals of docs/motion.md.
 
 python benchmarks/motion.py             # every row; a few minutes
 python benchmarks/motion.py traffic     # rows that begin so
-python benchmarks/motion.py --alone     # without the array of today
+python benchmarks/motion.py --alone     # without cot_array
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def _scores(presets: Sequence[str], member: Member) -> list[float]:
 def _score(preset: str, member: Member) -> tuple[float, ...]:
     run: RunConfig = PRESETS[preset]
     recording = member.recording
-    tracker = ENGINES["cot"].start(run, run.filters, (recording.width, recording.height))
+    tracker = ENGINES[run.hardware.module].start(run, run.filters, (recording.width, recording.height))
     records = np.concatenate([tracker.feed(recording.events)[0], tracker.finish()])
     born = float(np.count_nonzero(records["kind"] == Kind.BORN))
     if member.empty:

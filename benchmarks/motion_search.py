@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Search for registers of the array with motion on many families of the field at once, by random steps from the best so far.
+"""Search for registers of cot_motion on many families of the field at once, by random steps from the best so far.
 
 python benchmarks/motion_search.py --seed 1 --minutes 40      # prints every better setting, and what differs from the preset
 
-Everything else is chosen by what is seen (docs/auto.md, "Registers of the hardware"). A merit is a mean over families,
+Everything else is chosen by what is seen (docs/auto.md, "Settings of the hardware"). A merit is a mean over families,
 with weights, of 0.7 HOTA of centres + 0.3 HOTA of boxes; where nothing is there, of 1 - 0.25 per track. A setting that is worse
 than the one it came from on a part of the recordings is dropped at once.
 """
@@ -20,23 +20,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
+from evcot.hardware.config import MotionConfig
 from evcot.hardware.motion.contract import MOTION_RANGES
 from evcot.metrics import evaluate
-from evcot.trackers.auto.estimates import Estimates, estimate
-from evcot.trackers.auto_motion import motion_config
+from evcot.trackers.adaptive.estimates import Estimates, estimate
+from evcot.trackers.auto import auto_config
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import PRESETS
+from evcot.trackers.presets import MOTION
 from evcot.tracks.log import Kind, TrackLog
 from field import Absent, entries
 from field.member import Member
 
+assert isinstance(MOTION.hardware, MotionConfig)
+_HARDWARE, _REGISTERS = MOTION.hardware, MOTION.hardware.registers
 _CHOSEN_ON = (1, 2)  # seed sets
 _WEIGHTS = {
     "traffic, space": 0.7, "traffic, time": 0.7, "traffic, loss": 0.6, "traffic, crowd": 0.6, "motorway": 1.2,
     "second simulator, road": 1.0, "second simulator, shapes": 0.7, "boxes": 0.7, "digits": 1.0, "nothing": 0.6, "discs": 1.2,
     "insects": 0.5, "shake": 0.6, "pendulum, recorded": 0.5, "hand": 0.7,
 }  # fmt: skip
-_FIXED = ("enable", "step_log2", "speed_max")  # chosen by the scene, or a limit
+_FIXED = ("step_log2", "speed_max")  # chosen by the scene, or a limit
 _DRAWN_ONCE = ("traffic", "hand", "pendulum, recorded")  # all but the same in every seed set
 _MOST = 4  # recordings of a family and seed set
 _POOL = 8
@@ -63,7 +66,7 @@ def main() -> None:
     rng, end_s = np.random.default_rng(options.seed), time.monotonic() + 60 * options.minutes
     cases = _cases()
     order = rng.permutation(len(cases))
-    start = {name: int(getattr(PRESETS["motion"].cot.motion, name)) for name in MOTION_RANGES if name not in _FIXED}
+    start = {name: int(getattr(_REGISTERS, name)) for name in MOTION_RANGES if name not in _FIXED}
     scores = [_score(start, case) for case in cases]
     pool = [(_merit(cases, scores, order), start, scores)]
     print(f"{len(cases)} recordings; the preset: {pool[0][0]:.4f}", flush=True)
@@ -141,10 +144,10 @@ def _merit(cases: list[Case], scores: list[float], part: NDArray[np.int64]) -> f
 
 
 def _score(registers: Registers, case: Case) -> float:
-    base, member, recording = PRESETS["motion"], case.member, case.member.recording
-    changed = replace(base, cot=replace(base.cot, motion=replace(base.cot.motion, **registers)))
-    config = motion_config(case.seen, "search", changed)
-    tracker = ENGINES["cot"].start(config, config.filters, (recording.width, recording.height))
+    member, recording = case.member, case.member.recording
+    changed = replace(MOTION, hardware=replace(_HARDWARE, registers=replace(_REGISTERS, **registers)))
+    config = auto_config(case.seen, changed)
+    tracker = ENGINES["cot_motion"].start(config, config.filters, (recording.width, recording.height))
     records = np.concatenate([tracker.feed(recording.events)[0], tracker.finish()])
     if member.empty:
         return max(0.0, 1.0 - 0.25 * np.count_nonzero(records["kind"] == Kind.BORN))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motion step and activity filter of the array with motion, the same on every recording: docs/defaults.md names the sets.
+"""Motion step and activity filter of cot_motion, the same on every recording: docs/defaults.md names the sets.
 
 python benchmarks/noise_filter.py                      # seed sets 1, 2 and 21, on which they were chosen; ten minutes
 python benchmarks/noise_filter.py --seed-sets 100 101  # others; recordings that do not depend on the set are left out
@@ -19,8 +19,9 @@ from dataclasses import replace
 import numpy as np
 
 from evcot.filters.noise import support_against
+from evcot.hardware.config import MotionConfig
 from evcot.metrics import evaluate
-from evcot.trackers.auto.estimates import estimate
+from evcot.trackers.adaptive.estimates import estimate
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import FOLLOWING
@@ -62,7 +63,9 @@ def _variants(member: Member) -> Iterator[tuple[str, RunConfig]]:
     """The configurations to be compared, with their names."""
     recording = member.recording
     seen = estimate([recording.events], (recording.width, recording.height))
-    motion, follow = FOLLOWING.cot.motion, FOLLOWING.filters
+    assert isinstance(FOLLOWING.hardware, MotionConfig)
+    hardware, follow = FOLLOWING.hardware, FOLLOWING.filters
+    motion = hardware.registers
 
     def held(within_us: int, passing_hz: float, step_log2: int = motion.step_log2) -> RunConfig:
         support = support_against(seen.noise_hz or 0.0, within_us, passing_hz)
@@ -74,8 +77,8 @@ def _variants(member: Member) -> Iterator[tuple[str, RunConfig]]:
             join_steps=max(1, round(_JOIN_US / 2**step_log2)),
             report_steps=max(1, round(_REPORT_US / 2**step_log2)),
         )
-        cot = replace(FOLLOWING.cot, motion=changed)
-        return replace(FOLLOWING, cot=cot, filters=replace(filters, activity_support=max(support, 1)))
+        filters = replace(filters, activity_support=max(support, 1))
+        return replace(FOLLOWING, hardware=replace(hardware, registers=changed), filters=filters)
 
     for step_log2 in _STEPS:
         yield f"motion step of {2**step_log2 / 1e3:.2g} ms", held(follow.activity_us, follow.activity_noise_hz, step_log2)
@@ -88,7 +91,7 @@ def _variants(member: Member) -> Iterator[tuple[str, RunConfig]]:
 
 def _tracked(config: RunConfig, member: Member) -> TrackLog:
     recording = member.recording
-    tracker = ENGINES["cot"].start(config, config.filters, (recording.width, recording.height))
+    tracker = ENGINES["cot_motion"].start(config, config.filters, (recording.width, recording.height))
     records = np.concatenate([tracker.feed(recording.events)[0], tracker.finish()])
     return TrackLog(config.name, records, np.empty(0, np.int16))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every engine side by side, each with its own preset for the kind of scene and the filters that the preset wants.
+"""Engines side by side, each with its own preset for the kind of scene and the filters that the preset wants.
 
 On real traffic, whole and by halves, the simulated motorway, four discs that keep to lanes or cross and bounce, and the box
 experiment; `quality_cases` has the seeds. `python benchmarks/quality.py` prints the table of docs/evaluation.md.
@@ -26,6 +26,7 @@ from quality_cases import CONTOURS, FILMED, TRAFFIC, groups, traffic_is_here
 __all__ = ["Quality", "follow", "measure", "quality"]
 
 _ABSENT = f"{TRAFFIC}.aedat4 is not here: its rows are left out"
+_ENGINES = ("rct", "mean-shift", "frames", "cot_array")  # those with a preset for each kind of scene
 _PER_MINUTE = (FILMED, CONTOURS)
 _MEANS = ("hota", "deta", "assa", "idf1", "mota")
 
@@ -92,12 +93,12 @@ def _mean(values: list[float | None]) -> float | None:
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """quality_<group>_<engine>_<figure>: HOTA of every engine, and what has a goal."""
+    """quality_<group>_<engine>_<figure>: HOTA of each engine, and what has a goal."""
     if not traffic_is_here():
         print(_ABSENT)
     for group in groups(quick):
         name = group[0].name
-        for engine in ENGINES:
+        for engine in _ENGINES:
             found = quality(group, engine)
             title = f"quality_{name.replace(', ', '_').replace(' ', '_')}_{engine}"
             how = f"preset {group[0].preset}, {len(group)} recordings"
@@ -149,7 +150,7 @@ def main() -> None:
     _print_line(["", "engine", *(heading for heading, _ in _COLUMNS.values())])
     _print_line(["---"] * (2 + len(_COLUMNS)))
     for group in groups(quick):
-        for engine in ENGINES:
+        for engine in _ENGINES:
             found = quality(group, engine)
             values = [(getattr(found, field), form) for field, (_, form) in _COLUMNS.items()]
             _print_line([group[0].name, engine, *("" if value is None else format(value, form) for value, form in values)])

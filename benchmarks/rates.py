@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 
 import streams
-from evcot.hardware.cot import Arrangement, CotModel
+from evcot.hardware.config import with_module
+from evcot.hardware.golden import golden_model
+from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents
 from evcot.trackers.rct.tracker import RctTracker
 from evcot_cosim.lockstep.lockstep import chunks
@@ -25,11 +27,11 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
     """model_rate, model_rate_chain, rct_rate."""
     config = streams.config()
     events = streams.joined(500_000 if quick else 2_000_000)
-    ticked = TickedEvents.of(events, config.cot.tick_us)
+    ticked = TickedEvents.of(events, config.hardware.tick_us)
     live: list[int] = []
 
-    def model(arrangement: Arrangement) -> Timing:
-        tracker = CotModel(config.cot, arrangement)
+    def model(module: Module) -> Timing:
+        tracker = golden_model(with_module(config.hardware, module))
         parts = [slice(begin, begin + (1 << 16)) for begin in range(0, len(events), 1 << 16)]
         return timed(lambda: [tracker.feed(ticked[part]) for part in parts])
 
@@ -45,8 +47,8 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
 
     turns = take_turns(
         {
-            "model_rate": lambda: model(Arrangement.ARRAY),
-            "model_rate_chain": lambda: model(Arrangement.CHAIN),
+            "model_rate": lambda: model("cot_array"),
+            "model_rate_chain": lambda: model("cot_chain"),
             "rct_rate": software,
         },
         3 if quick else 9,

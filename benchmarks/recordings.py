@@ -31,7 +31,7 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
 
 def _one(path: Path, goal: float | None, rounds: int) -> Result:
     recording = read_recording(path)
-    config = fit(for_sensor(recording.width), recording.width, recording.height, streams.SLOTS).cot
+    config = fit(for_sensor(recording.width), recording.width, recording.height, streams.SLOTS).hardware
     model = build_device(config, waves=False)
     walls: list[float] = []
     for _ in range(rounds):

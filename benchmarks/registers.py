@@ -4,9 +4,9 @@
 python benchmarks/registers.py                  # seed set 1, on which the rules were chosen; 15 minutes
 python benchmarks/registers.py --seed-set 41    # another; recordings that do not depend on it are left out
 
-The golden model, whole recordings. Rows are means over the members of a family. `by hand` is that of three presets without
-motion (the one for the sensor, `traffic`, `discs`) which is best on the family, hot pixels masked; `auto-paper` is the array
-without motion, `motion` the preset; `auto` holds the filters that the noise of the whole recording asks for, `follows` measures
+The golden model, whole recordings. Rows are means over the members of a family. `by hand` is that of three presets of
+cot_array (the one for the sensor, `traffic`, `discs`) which is best on the family, hot pixels masked. The others are of
+cot_motion: `motion` is the preset; `auto` holds the filters that the noise of the whole recording asks for, `follows` measures
 it while the recording goes on: the default of `evcot track`.
 """
 
@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.metrics import evaluate
-from evcot.trackers.auto.estimates import estimate
-from evcot.trackers.auto_registers import auto_config
+from evcot.trackers.adaptive.estimates import estimate
+from evcot.trackers.auto import auto_config
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import AUTO, AUTO_PAPER, FOLLOWING, PRESETS, for_sensor
+from evcot.trackers.presets import AUTO, FOLLOWING, PRESETS, for_sensor
 from evcot.tracks.log import Kind, TrackLog
 from field import members
 from field.member import Member
@@ -35,7 +35,7 @@ CHOSEN_ON = 1
 FIXED = ("traffic, space", "traffic, time", "traffic, crowd", "pendulum, recorded", "hand, recorded")
 _BY_HAND = ("for the sensor", "traffic", "discs")
 _FOLLOWS = "follows"
-_REGISTERS = (AUTO_PAPER, "motion", AUTO, _FOLLOWS)
+_REGISTERS = ("motion", AUTO, _FOLLOWS)
 _COLUMNS = ("HOTA", "IoU", "IDF1", "BORN")
 
 Scores = dict[str, NDArray[np.float64]]  # columns, by the name of the settings
@@ -81,14 +81,13 @@ def _configs(member: Member) -> dict[str, RunConfig]:
     hot = learn_hot_pixels(recording.events, sensor)
     by_hand = {name: for_sensor(sensor[0]) if name == _BY_HAND[0] else PRESETS[name] for name in _BY_HAND}
     masked = {name: replace(run, filters=replace(run.filters, hot_pixels=hot)) for name, run in by_hand.items()}
-    seen_of = {name: auto_config(seen, name) for name in (AUTO_PAPER, AUTO)}
-    return {**masked, "motion": PRESETS["motion"], **seen_of, _FOLLOWS: FOLLOWING}
+    return {**masked, "motion": PRESETS["motion"], AUTO: auto_config(seen), _FOLLOWS: FOLLOWING}
 
 
 def _score(config: RunConfig, member: Member) -> NDArray[np.float64]:
     """HOTA of centres and of boxes, IDF1, and records BORN; NaN where there is no truth."""
     recording = member.recording
-    tracker = ENGINES["cot"].start(config, config.filters, (recording.width, recording.height))
+    tracker = ENGINES[config.hardware.module].start(config, config.filters, (recording.width, recording.height))
     records = np.concatenate([tracker.feed(recording.events)[0], tracker.finish()])
     born = float(np.count_nonzero(records["kind"] == Kind.BORN))
     if member.empty:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import streams
-from evcot.hardware.cot import Decisions
+from evcot.hardware.model import Decisions
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device
 from measure import Result
@@ -45,7 +45,7 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
     count = 50_000 if quick else 200_000
     for slots in (8, 32):
         events = streams.joined(count, slots)
-        device = Device(streams.config(slots).cot)
+        device = Device(streams.config(slots).hardware)
         began = device.cycle
         found = replayed(device.stream(events), events.x, events.y, device.shape.frac, lost=6 + (slots > _FAR_SLOTS))
         clocks = (device.cycle - began) / count

@@ -37,7 +37,7 @@ _BENCHMARKS = (
     "clustering",
     "table2",
     "cot_quality",
-    "auto",
+    "adaptive",
     "anomalies",
     "quality",
     "live",

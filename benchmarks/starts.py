@@ -29,7 +29,7 @@ _SHORT = {
 _BUILD = """
 import streams
 from evcot_cosim.devices.device import build_device
-print(build_device(streams.config().cot, waves=False).build_s)
+print(build_device(streams.config().hardware, waves=False).build_s)
 """
 
 # `evcot cosim`, which tells the time and ends once one event has been through the hardware.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much a score of `auto` owes to chance: members of the field again and again, another tenth of the events lost each time.
+"""How much a score of `adaptive` owes to chance: members of the field, again and again without another tenth of the events.
 
 python benchmarks/steadiness.py                        # recorded families: mean, spread, and the range of HOTA
 python benchmarks/steadiness.py --keep before.json     # keep the scores, then change the tracker, and:
@@ -22,7 +22,7 @@ import numpy as np
 
 from evcot.outputs import written_aside
 from field import Absent, entries
-from field.contenders import AUTO, contenders
+from field.contenders import ADAPTIVE, contenders
 from field.scoring import score
 from field.transforms import thinned
 
@@ -61,8 +61,8 @@ def differences(now: Scores, before: Scores) -> dict[str, tuple[float, float]]:
 
 
 def _measured(families: tuple[str, ...], seed_set: int, losses: Sequence[int]) -> dict[str, dict[str, list[float]]]:
-    (auto,) = contenders([AUTO])
-    (settings,) = auto.settings.values()
+    (adaptive,) = contenders([ADAPTIVE])
+    (settings,) = adaptive.settings.values()
     every: dict[str, dict[str, list[float]]] = {}
     for entry in entries(seed_set, quick=False):
         kept_aside = entry.family.startswith("traffic") and entry.name in _FOR_THE_END
@@ -74,7 +74,7 @@ def _measured(families: tuple[str, ...], seed_set: int, losses: Sequence[int]) -
             print(f"{entry.family}, {entry.name}: left out: {reason}", file=sys.stderr)
             continue
         versions = [thinned(member, _LOST, (seed_set, 11, loss)) for loss in losses]
-        hota = [score(auto, settings, version, whole=True).merit for version in versions]
+        hota = [score(adaptive, settings, version, whole=True).merit for version in versions]
         every.setdefault(entry.family, {})[entry.name] = hota
         print(f"{entry.family}, {entry.name}: {spread(hota)}", flush=True)
     return every

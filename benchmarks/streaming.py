@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The streaming drive: the 8-slot array, alone and checked, against a bare C++ main; with motion against it; 32 slots alone."""
+"""The streaming drive: the 8-slot array, alone and checked, against a bare C++ main; cot_motion against it; 32 slots alone."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MANY_GOAL_M = 2.1
 
 def measure(folder: Path, quick: bool) -> Iterator[Result]:
     """stream_rate_8, stream_vs_bare, checked_vs_bare, motion_rate_8, array_rate_32."""
-    config = streams.config().cot
+    config = streams.config().hardware
     model = build_device(config, waves=False)
     events = streams.joined(200_000 if quick else 1_000_000)
     outcomes: dict[bool, bare.Outcome] = {}
@@ -61,15 +61,15 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
         ratio=turns.speed_ratio("checked", "bare", Clock.WALL), goal=Goal(0.7),
         how=f"two threads, wall time; CPU ratio of the thread that drives: {turns.speed_ratio('checked', 'bare'):.3f}",
     )  # fmt: skip
-    yield _with_motion(events, 3 if quick else 9)
+    yield _motion(events, 3 if quick else 9)
     yield _many_slots(100_000 if quick else 500_000, 3 if quick else 9)
 
 
-def _with_motion(events: Events, rounds: int) -> Result:
-    """The array with motion and the one without it, on the same stream."""
+def _motion(events: Events, rounds: int) -> Result:
+    """cot_motion and cot_array, on the same stream."""
     configs = {
-        "without": streams.config().cot,
-        "with": fit(PRESETS["motion"], streams.WIDTH, streams.HEIGHT, streams.SLOTS).cot,
+        "cot_array": streams.config().hardware,
+        "cot_motion": fit(PRESETS["motion"], streams.WIDTH, streams.HEIGHT, streams.SLOTS).hardware,
     }
     models = {name: build_device(config, waves=False) for name, config in configs.items()}
     clocks = {}
@@ -83,14 +83,14 @@ def _with_motion(events: Events, rounds: int) -> Result:
     turns = take_turns({name: lambda name=name: drive(name) for name in configs}, rounds)  # type: ignore[misc]
     rates_m = {name: len(events) / turns.seconds(name, Clock.CPU) / 1e6 for name in configs}
     return Result(
-        "motion_rate_8", rates_m["with"], "M events/s", rates_m["without"], "the array without motion",
-        ratio=turns.speed_ratio("with", "without"), how=f"{clocks['with']:.2f} clocks an event, CPU time",
+        "motion_rate_8", rates_m["cot_motion"], "M events/s", rates_m["cot_array"], "cot_array",
+        ratio=turns.speed_ratio("cot_motion", "cot_array"), how=f"{clocks['cot_motion']:.2f} clocks an event, CPU time",
     )  # fmt: skip
 
 
 def _many_slots(count: int, rounds: int) -> Result:
     """As many discs as slots."""
-    config = streams.config(_MANY).cot
+    config = streams.config(_MANY).hardware
     model = build_device(config, waves=False)
     events = streams.joined(count, _MANY)
 

@@ -104,7 +104,8 @@ def scene(speed: Speed, seed: int, duration_us: int = 2_500_000) -> Scene:
 
 def configured(setting: Setting, sensor: tuple[int, int]) -> RunConfig:
     """The paper's preset with a setting's N_ev, TC, adjustment and alpha; all times but TC and TH stay."""
-    base = preset("slow").cot
+    base = preset("slow").hardware
+    assert isinstance(base, CotConfig)
     slot = replace(base.slots[0], clust_nev=setting.n_ev, nev_min=setting.n_ev, nev_max=setting.n_ev, hist_avg=setting.hist_avg)
     tick_us = base.tick_us
     if setting.adjustment is not Adjustment.FIXED:
@@ -134,7 +135,8 @@ def outcome(of: Scene, setting: Setting, *, rtl: bool = True) -> Outcome:
     log = cot_log(of.recording, config, rtl=rtl)
     found = follow(log, of, 1_000 * setting.tc_ms)
     n_ev, lasted_us = n_ev_over_time(log)
-    slot = config.cot.slots[0]
+    assert isinstance(config.hardware, CotConfig)
+    slot = config.hardware.slots[0]
     return Outcome(
         updates=len(log.of_kind(Kind.BORN)) + len(log.of_kind(Kind.MOVED)),
         found=len(found.error_px) / found.objects,

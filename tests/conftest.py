@@ -66,7 +66,7 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(scope="session")
 def kernels() -> None:
-    """The kernels of the engines `auto` and `rct`, compiled by one process while others that ask for them wait.
+    """The kernels of the engines `adaptive` and `rct`, compiled by one process while others that ask for them wait.
 
     Several test files begin with them at the same time; without this, each of their processes compiles them.
     """
@@ -80,7 +80,7 @@ def kernels() -> None:
     cache_dir().mkdir(parents=True, exist_ok=True)
     with (cache_dir() / ".kernels.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        for engine in ("auto", "rct"):
+        for engine in ("adaptive", "rct"):
             evcot.track(evcot.Recording(few, 32, 32, "two events"), engine)
 
 

@@ -19,11 +19,11 @@ ROOMS = {
     "evcot": (
         "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "toml_file", "outputs",
         "templating", "structured", "_sound_kernel", "events", "digest", "ticks", "unfinished", "compiling", "recordings",
-        "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "api", "pictures", "anomalies",
+        "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "pictures", "api", "anomalies",
         "__main__",
     ),
     "evcot_cosim": (
-        "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages",
+        "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "api", "live", "fpga", "sweep", "pages",
         "commands", "cli", "__main__",
     ),
 }  # fmt: skip

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who competes on the field: every engine of `evcot` and the peers, each with its settings and more of them at random."""
+"""Who competes on the field: engines of `evcot` and the peers, each with its settings and more of them at random."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ import numpy as np
 
 from evcot.errors import ConfigError
 from evcot.filters.config import FilterConfig
+from evcot.hardware.config import CotConfig
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import AUTO as FOLLOWS
-from evcot.trackers.presets import FOLLOWING, for_sensor
+from evcot.trackers.presets import for_sensor
 from evcot.tracks.tracking import Tracker
 from field import peers
 
-__all__ = ["AUTO", "Contender", "contenders", "more_settings"]
+__all__ = ["ADAPTIVE", "Contender", "contenders", "more_settings"]
 
-AUTO = "auto"  # the engine that chooses its settings itself
-_COT_AUTO = "cot-auto"  # the golden model behind filters that follow the noise: the default of `evcot track`
+ADAPTIVE = "adaptive"
+_BY_THEMSELVES = ("cot_motion", ADAPTIVE)  # follow size, speed and noise, with their first preset: there is nothing to choose
+_ARRAY = "cot_array"
+_LEFT_OUT = ("cot_chain", "cot")  # the same rules as those of the array, but trackers see less of the events
 _SPREAD = 0.4  # standard deviation of a changed setting's logarithm
 _CHANGED = 0.4  # share of the settings that are changed
 _TRIES = 100
@@ -53,7 +55,7 @@ class Contender:
 
 def contenders(names: list[str] | None = None) -> list[Contender]:
     """Those that are installed; all, or those of the names."""
-    found = [*(_engine(name) for name in ENGINES), _cot_auto()]
+    found = [_engine(name) for name in ENGINES if name not in _LEFT_OUT]
     found += [peer for peer in _peers() if importlib.util.find_spec(peer.name.replace("-", "_"))]
     return [one for one in found if names is None or one.name in names]
 
@@ -71,30 +73,20 @@ def more_settings(contender: Contender, count: int, random: np.random.Generator)
 
 def _engine(name: str) -> Contender:
     engine = ENGINES[name]
-    bare = name == "cot"
+    by_itself = name in _BY_THEMSELVES
 
     def start(settings: Any, sensor: Sensor) -> Tracker:
-        if bare and isinstance(settings, str):  # the one for the sensor
+        if isinstance(settings, str):  # the one for the sensor
             settings = for_sensor(sensor[0])
             return engine.start(settings, settings.filters, sensor)
         config, filters = settings
         return engine.start(config, filters, sensor)
 
-    own: dict[str, Any] = {
-        preset: (config, engine.filters.get(preset, FilterConfig()))
-        for preset, config in engine.presets.items()
-        if not (bare and preset == FOLLOWS)
-    }
-    if bare:
+    presets = list(engine.presets.items())[: 1 if by_itself else None]
+    own: dict[str, Any] = {preset: (config, engine.filters.get(preset, FilterConfig())) for preset, config in presets}
+    if name == _ARRAY:
         own = {"for the sensor": "for the sensor", **own}
-    return Contender(name, own, start, None if name == AUTO else _varied_engine, masked=name != AUTO)
-
-
-def _cot_auto() -> Contender:
-    def start(settings: RunConfig, sensor: Sensor) -> Tracker:
-        return ENGINES["cot"].start(settings, settings.filters, sensor)
-
-    return Contender(_COT_AUTO, {FOLLOWS: FOLLOWING}, start, None, masked=False)
+    return Contender(name, own, start, None if by_itself else _varied_engine, masked=not by_itself)
 
 
 def _varied_engine(settings: Any, random: np.random.Generator) -> Any:
@@ -103,12 +95,13 @@ def _varied_engine(settings: Any, random: np.random.Generator) -> Any:
     config, filters = settings
     if not isinstance(config, RunConfig):
         return _varied(config, random), filters
-    slot = config.cot.slots[0]
+    assert isinstance(config.hardware, CotConfig)
+    slot = config.hardware.slots[0]
     for _ in range(_TRIES):
         try:
             changed = {name: value for name, value in _changes(slot, random).items() if name != "mode"}
-            slots = tuple(replace(one, **changed) for one in config.cot.slots)
-            return replace(config, cot=replace(config.cot, slots=slots)), filters
+            slots = tuple(replace(one, **changed) for one in config.hardware.slots)
+            return replace(config, hardware=replace(config.hardware, slots=slots)), filters
         except ConfigError:
             continue
     return settings

@@ -8,12 +8,11 @@ Example:
     import evcot
     import evcot_cosim
 
-    recording = evcot.read("drive.aedat4")
-    config = evcot.run_config(recording.width, recording.height)
-    run = evcot_cosim.cosim(recording, config)  # hardware and model equal, or MismatchError
-    run.hardware.save_npz("hardware.npz")
+    run = evcot_cosim.cosim("drive.aedat4")  # hardware and model equal, or MismatchError
+    run.save("build/drive")
 
-    with evcot_cosim.Lockstep(config.hardware(recording.width, recording.height)) as lockstep:  # or run by run
+    recording = evcot.read("drive.aedat4")
+    with evcot_cosim.Lockstep(run.config.device_config()) as lockstep:  # or run by run
         step = lockstep.feed(recording.events[:1000])
         step.hardware.records, step.hardware.owner
 """
@@ -24,15 +23,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import waves
+    from .api import Run as CosimRun
+    from .api import cosim
     from .devices.base import HardwareError, Stalls
     from .devices.device import Device, build_device
-    from .lockstep.cosim import CosimRun
-    from .lockstep.cosim import run_cosim as cosim
     from .lockstep.lockstep import Lockstep, Step, dump_window
     from .lockstep.mismatch import Mismatch, MismatchError
     from .lockstep.run_file import RunFile, Source, read_run_file
-    from .names import Top
     from .report.artifacts import write_mismatch, write_run
+    from .rtl.build import load
 
 __all__ = [
     "CosimRun",
@@ -45,10 +44,10 @@ __all__ = [
     "Source",
     "Stalls",
     "Step",
-    "Top",
     "build_device",
     "cosim",
     "dump_window",
+    "load",
     "read_run_file",
     "waves",
     "write_mismatch",
@@ -57,13 +56,13 @@ __all__ = [
 
 _NAMES = {
     "": ("waves",),
+    "api": ("Run as CosimRun", "cosim"),
     "devices.base": ("HardwareError", "Stalls"),
     "devices.device": ("Device", "build_device"),
-    "lockstep.cosim": ("CosimRun", "run_cosim as cosim"),
     "lockstep.lockstep": ("Lockstep", "Step", "dump_window"),
     "lockstep.mismatch": ("Mismatch", "MismatchError"),
+    "rtl.build": ("load",),
     "lockstep.run_file": ("RunFile", "Source", "read_run_file"),
-    "names": ("Top",),
     "report.artifacts": ("write_mismatch", "write_run"),
 }
 

@@ -10,12 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from evcot import CotConfig, Kind, Shape, SlotConfig
-from evcot.hardware.contract import Mode, State
-from evcot.ticks import TickedEvents
+from evcot import CotConfig, Kind, Mode, Shape, SlotConfig, State, TickedEvents
 from evcot_cosim import Device
-from evcot_cosim.waves import Wave, after, handshake_stable, recorded, transitions
-from evcot_cosim.waves.gtkwave import write_view
+from evcot_cosim.waves import Wave, after, handshake_stable, recorded, transitions, write_view
 
 # %% [markdown]
 # ## A tracker
@@ -29,7 +26,7 @@ slot = SlotConfig(
     mode=Mode.FIXED, init_cm_x=64, init_cm_y=64, init_radix=4, radix_th=2, radix_step=0, radix_min=4, radix_max=4,
     hist_avg=1, max_ticks=20, clust_nev=2, nev_min=2, nev_max=2, nev_th=0, detect_ticks=100,
 )  # fmt: skip
-device = Device(CotConfig(shape, (slot,)), "cot")
+device = Device(CotConfig(shape, (slot,), module="cot"))
 pins, clock = device.sim.io, device.sim.clock
 
 # %% [markdown]

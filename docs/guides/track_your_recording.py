@@ -8,16 +8,7 @@
 # %%
 from pathlib import Path
 
-from evcot.filters.config import FilterConfig
-from evcot.filters.hot_pixels import learn_hot_pixels
-from evcot.filters.run import apply
-from evcot.metrics import evaluate, load_rule, read_truth
-from evcot.pictures.plots import Log, Material, density, plot
-from evcot.recordings.describe import describe
-from evcot.recordings.files import open_recording, read_recording, write_recording
-from evcot.scenes import simulate_scene
-from evcot.trackers.engines import ENGINES
-from evcot.tracks.tracking import track_recording
+import evcot
 
 # %% [markdown]
 # ## A recording
@@ -28,46 +19,47 @@ from evcot.tracks.tracking import track_recording
 
 # %%
 path = Path("discs.aedat4")  # <- your file
-scene = simulate_scene("discs", seed=4, overrides={"duration_us": 2_000_000, "count": 4, "noise_hz": 1.0, "hot_pixels": 3})
-write_recording(scene.recording, path)
+scene = evcot.simulate("discs", seed=4, duration_us=2_000_000, count=4, noise_hz=1.0, hot_pixels=3)
+evcot.write(scene.recording, path)
 scene.truth.save("discs.truth.csv")
 
 # %% [markdown]
 # ## Look at it
 
 # %%
-with open_recording(path) as file:
-    found = describe(file)
+with evcot.open_recording(path) as file:
+    found = evcot.describe(file)
 print(f"{found.format}, {found.width}x{found.height} pixels")
 print(f"{found.events:,} events in {found.duration_us / 1e6:.3f} s, {found.on_share:.0%} of them ON")
 print(f"mean rate {found.mean_rate / 1e3:,.0f} k events/s, peak {found.peak_rate / 1e3:,.0f} k events/s")
 
-recording = read_recording(path)
+recording = evcot.read(path)
 sensor = recording.width, recording.height
-hot_pixels = learn_hot_pixels(recording.events, sensor)
+hot_pixels = evcot.learn_hot_pixels(recording.events, sensor)
 print("hot pixels:", *hot_pixels)
 
 # %% [markdown]
 # ## Filter
 #
-# Hot pixels are masked, and an event needs a neighbour within 5 ms. `apply` shows what that leaves; the trackers below take
-# the same filters in front of them, so that their logs number all events of the file.
+# Hot pixels are masked, and an event needs a neighbour within 5 ms. `evcot.filter` shows what that leaves; the trackers below
+# take the same filters in front of them, so that their logs number all events of the file.
 
 # %%
-filters = FilterConfig(hot_pixels=hot_pixels, activity_us=5_000)
-clean, keep = apply(recording, filters)
-print(f"{len(clean.events):,} of {len(recording.events):,} events stay ({keep.mean():.1%})")
+filters = evcot.FilterConfig(hot_pixels=hot_pixels, activity_us=5_000)
+clean = evcot.filter(recording, filters)
+share = len(clean.events) / len(recording.events)
+print(f"{len(clean.events):,} of {len(recording.events):,} events stay ({share:.1%})")
 
 # %% [markdown]
 # ## Track
 #
-# Every tracker has presets; `discs` suits round objects of one size that cross. `list(engine.presets)` has the names.
+# Every tracker has presets; `discs` suits round objects of one size that cross. `list(evcot.ENGINES["rct"].presets)` has the
+# names. Without engine and preset, `evcot.track(recording)` needs no settings.
 
 # %%
 logs = {}
 for name in ("rct", "frames"):
-    engine = ENGINES[name]
-    logs[name] = track_recording(name, engine.start(engine.presets["discs"], filters, sensor), recording)
+    logs[name] = evcot.track(recording, name, "discs", filters=filters)
     owned = (logs[name].owner >= 0).mean()
     print(f"{name:7} {len(set(logs[name].records['track_id']))} tracks, which own {owned:.1%} of all events")
 
@@ -75,9 +67,7 @@ for name in ("rct", "frames"):
 # ## Draw
 
 # %%
-counts, first_us, last_us = density([clean.events], sensor)
-material = Material(counts, tuple(Log(name, log) for name, log in logs.items()), first_us, last_us, first_us)
-plot(material, "guide_track.png", ("tracks", "xy"), width_mm=150, dpi=150)
+evcot.plot(clean, logs, "guide_track.png", ("tracks", "xy"), width_mm=150, dpi=150)
 
 # %% [markdown]
 # ## Score
@@ -86,10 +76,8 @@ plot(material, "guide_track.png", ("tracks", "xy"), width_mm=150, dpi=150)
 # them apart; [evaluation.md](../evaluation.md) explains each figure.
 
 # %%
-rule = load_rule("scene").on(sensor)
-truth = read_truth("discs.truth.csv", rule)
 for name, log in logs.items():
-    scores = evaluate(log, truth, rule)
+    scores = evcot.evaluate(log, "discs.truth.csv", sensor=sensor)
     error_px = scores.position_error_px_median
     print(f"{name:7} HOTA {scores.hota:.3f}  IDF1 {scores.idf1:.3f}  {scores.idsw} switches  {error_px:.2f} px median error")
 

@@ -7,23 +7,11 @@
 
 # %%
 from dataclasses import replace
-from pathlib import Path
-
 from matplotlib.figure import Figure
 
-from evcot.digest import digest
-from evcot.events import Recording
-from evcot.hardware.config import CotConfig, SlotConfig
-from evcot.hardware.contract import REGISTERS
-from evcot.hardware.cot import track
-from evcot.hardware.register_access import Registers
-from evcot.hardware.registers import register_map
-from evcot.metrics import GroundTruth, Scores, evaluate, load_rule, read_truth
-from evcot.recordings.files import read_recording, write_recording
-from evcot.scenes import simulate_scene
-from evcot.trackers.presets import fit, for_sensor
-from evcot_cosim.lockstep.cosim import run_cosim
-from evcot_cosim.lockstep.run_file import RunFile, Source, write_run_file
+import evcot
+import evcot_cosim
+from evcot import REGISTERS, CotConfig, RunConfig, Scene, Scores, SlotConfig
 
 # %% [markdown]
 # ## Two recordings with a truth
@@ -33,15 +21,11 @@ from evcot_cosim.lockstep.run_file import RunFile, Source, write_run_file
 
 
 # %%
-def made(name: str, seed: int) -> tuple[Recording, GroundTruth]:
-    scene = simulate_scene("discs", seed, {"duration_us": 1_000_000, "count": 4, "truth_step_us": 5_000})
-    write_recording(scene.recording, f"{name}.aedat4")
-    scene.truth.save(f"{name}.truth.csv")
-    return read_recording(f"{name}.aedat4"), read_truth(f"{name}.truth.csv", rule)
+def made(seed: int) -> Scene:
+    return evcot.simulate("discs", seed, duration_us=1_000_000, count=4, truth_step_us=5_000)
 
 
-rule = load_rule("scene").on((346, 260))
-tune, check = made("tune", 1), made("check", 3)
+tune, check = made(1), made(3)
 
 # %% [markdown]
 # ## The registers that matter
@@ -49,9 +33,9 @@ tune, check = made("tune", 1), made("check", 3)
 # The preset for the sensor is the start. These four decide most; [registers.md](../registers.md) has all fifteen.
 
 # %%
-start = fit(for_sensor(346), 346, 260)
+start = evcot.run_config(346, 260, hardware="cot_array")
 for name in ("clust_nev", "init_radix", "hist_avg", "max_ticks"):
-    print(f"{name:10} {getattr(start.cot.slots[0], name):6}  {REGISTERS[name].meaning}")
+    print(f"{name:10} {getattr(start.hardware.slots[0], name):6}  {REGISTERS[name].meaning}")
 
 # %% [markdown]
 # ## Sweep two of them
@@ -62,12 +46,16 @@ for name in ("clust_nev", "init_radix", "hist_avg", "max_ticks"):
 # %%
 def with_registers(n_ev: int, g: int) -> SlotConfig:
     limits = {"nev_min": n_ev, "nev_max": n_ev, "radix_min": g - 2, "radix_max": g + 2}
-    return replace(start.cot.slots[0], clust_nev=n_ev, init_radix=g, **limits)
+    return replace(start.hardware.slots[0], clust_nev=n_ev, init_radix=g, **limits)
 
 
-def score(slot: SlotConfig, given: tuple[Recording, GroundTruth]) -> Scores:
-    cot = CotConfig.uniform(start.cot.shape, slot, start.cot.tick_us)
-    return evaluate(track(given[0], cot), given[1], rule)
+def configured(slot: SlotConfig) -> RunConfig:
+    hardware = start.hardware
+    return replace(start, name="tuned", hardware=CotConfig.uniform(hardware.shape, slot, hardware.tick_us))
+
+
+def score(slot: SlotConfig, scene: Scene) -> Scores:
+    return evcot.evaluate(evcot.track(scene.recording, "cot_array", settings=configured(slot)), scene.truth)
 
 
 n_evs, radii = (2, 4, 8, 16, 32), (4, 6, 8, 10, 12)
@@ -93,23 +81,23 @@ figure.savefig("guide_sweep.png", dpi=150)
 n_ev, g = max(scores, key=lambda key: scores[key].hota)
 chosen = with_registers(n_ev, g)
 print(f"chosen: N_ev = {n_ev}, g = {g}")
-for name, given in (("tuned on", tune), ("not seen", check)):
-    before, now = score(start.cot.slots[0], given), score(chosen, given)
+for name, scene in (("tuned on", tune), ("not seen", check)):
+    before, now = score(start.hardware.slots[0], scene), score(chosen, scene)
     print(f"{name}: HOTA {before.hota:.3f} -> {now.hota:.3f}, switches {before.idsw} -> {now.idsw}")
 
 # %% [markdown]
 # ## Prove it on the RTL
 #
-# `run_cosim` runs the Verilog in lock-step with the model and raises `MismatchError` at the first bit that differs, stalls on
-# every stream included. `evcot cosim --config run.toml` repeats the run from the file.
+# `cosim` runs the Verilog in lock-step with the model and raises `MismatchError` at the first bit that differs, stalls on
+# every stream included. `save` writes report, logs and run.toml; `evcot cosim --config tuned/run.toml` repeats the run.
 
 # %%
-config = replace(start, name="tuned", cot=CotConfig.uniform(start.cot.shape, chosen, start.cot.tick_us))
-run = run_cosim(check[0], config, stall_seed=7)
+config = configured(chosen)
+run = evcot_cosim.cosim(check.recording, config, stall_seed=7)
 assert (run.hardware.records == run.model.records).all()
 assert (run.hardware.owner == run.model.owner).all()
 print(f"exact: {len(run.hardware.records):,} records, the owners of {len(run.hardware.owner):,} events")
-write_run_file(Path("run.toml"), RunFile(Source("check.aedat4"), "cot_array", 7, digest(check[0].events), config))
+run.save("tuned")
 
 # %% [markdown]
 # ## Write them into the chip
@@ -124,7 +112,7 @@ class PrintedBus:
     """Says of itself what an evcot_top of this shape says, and prints what is written."""
 
     def __init__(self) -> None:
-        at, shape = register_map(), config.cot.shape
+        at, shape = evcot.register_map(), config.hardware.shape
         says = {"id": at.id, "version_major": at.version[0], "version_minor": at.version[1], "memory_stamp_w": 20}
         self.words = {
             word.address: sum(says.get(word.port(f), getattr(shape, f.name, 0)) << f.lsb for f in word.fields)
@@ -140,8 +128,8 @@ class PrintedBus:
         print(f"0x{address:04x} = {value:<5} REG(regs, EVCOT_SLOT(0, EVCOT_SLOT_{name.upper()})) = {value};")
 
 
-slot = Registers(PrintedBus()).slot[0]
+slot = evcot.Registers(PrintedBus()).slot[0]
 for name in REGISTERS:
-    if getattr(chosen, name) != getattr(start.cot.slots[0], name):
+    if getattr(chosen, name) != getattr(start.hardware.slots[0], name):
         setattr(slot, name, getattr(chosen, name))  # slot.clust_nev = 4, and so on
 slot.commit()

@@ -31,7 +31,7 @@
 #define EVCOT_SHAPE0_N_SLOTS_SHIFT 0u
 #define EVCOT_SHAPE0_N_SLOTS_MASK 0x0000007Fu /* ro: tracker slots */
 #define EVCOT_SHAPE0_FRAC_SHIFT 8u
-#define EVCOT_SHAPE0_FRAC_MASK 0x00000F00u /* ro: fractional bits of a centre; not used by an array with motion */
+#define EVCOT_SHAPE0_FRAC_MASK 0x00000F00u /* ro: fractional bits of a centre; not used by cot_motion */
 #define EVCOT_SHAPE0_X_W_SHIFT 16u
 #define EVCOT_SHAPE0_X_W_MASK 0x001F0000u /* ro: bits of an x address */
 #define EVCOT_SHAPE0_Y_W_SHIFT 24u
@@ -66,7 +66,7 @@
 #define EVCOT_BUILD_SOURCES_SHIFT 8u
 #define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
-#define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain, 2 array with motion: the parameter TRACKER */
+#define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 cot_array, 1 cot_chain, 2 cot_motion: the parameter TRACKER */
 #define EVCOT_BUILD_CELL_PX_SHIFT 24u
 #define EVCOT_BUILD_CELL_PX_MASK 0x07000000u /* ro: side of a cell of the filters' memory in pixels; 0: a time stamp per pixel and filter */
 
@@ -353,7 +353,7 @@ struct evcot_record {
 };
 #define EVCOT_RECORD_BYTES 48u
 
-/* A record on the stream of an array with motion, little-endian. */
+/* A record on the stream of cot_motion, little-endian. */
 struct evcot_motion_record {
     uint64_t seq;
     uint64_t time;

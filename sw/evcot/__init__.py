@@ -23,16 +23,25 @@ from ._stale_kernels import forget_stale_kernels as _forget_stale_kernels
 from ._stale_kernels import keep_kernels_in_cache as _keep_kernels_in_cache
 
 if TYPE_CHECKING:
-    from .api import evaluate, simulate, track
+    from .api import evaluate, plot, simulate, track, tracker
     from .api import filter_recording as filter
     from .errors import ConfigError, EvcotError, OutputError, RecordingError, RecordingWarning, ToolchainError, TrackLogError
     from .events import Events, Recording
     from .filters.config import FilterConfig
-    from .hardware.config import CotConfig, SlotConfig
-    from .hardware.contract import Shape
+    from .filters.hot_pixels import learn_hot_pixels
+    from .filters.run import filtered as filter_blocks
+    from .hardware.config import CotConfig, MotionConfig, SlotConfig
+    from .hardware.contract import REGISTERS, Mode, Shape, State
+    from .hardware.modules import MODULES
+    from .hardware.motion.contract import MotionRegisters
+    from .hardware.published.model import PublishedCascade, PublishedConfig, PublishedTracker
+    from .hardware.published.model import decode as decode_published
+    from .hardware.register_access import Registers
+    from .hardware.registers import Transport, register_map
     from .metrics.rule import Rule, load_rule
     from .metrics.scores import Scores
     from .metrics.truth import GroundTruth, read_truth
+    from .recordings.describe import describe
     from .recordings.files import RecordingFile, open_recording, write_events
     from .recordings.files import read_recording as read
     from .recordings.files import write_recording as write
@@ -40,6 +49,7 @@ if TYPE_CHECKING:
     from .scenes.scene import Scene
     from .scenes.truth import Truth
     from .structured import EVENT_CD
+    from .ticks import TickedEvents
     from .trackers.config import RunConfig
     from .trackers.engines import ENGINES, Engine
     from .trackers.presets import run_config
@@ -47,12 +57,15 @@ if TYPE_CHECKING:
     from .tracks.formats.of_log import boxes_of_log, log_of_boxes
     from .tracks.formats.registry import read_boxes, write_boxes
     from .tracks.log import DROPPED, TRACK, Kind, TrackLog
+    from .tracks.timeline import lifetimes
     from .tracks.tracking import Tracker
 
 __all__ = [
     "DROPPED",
     "ENGINES",
     "EVENT_CD",
+    "MODULES",
+    "REGISTERS",
     "SCENES",
     "TRACK",
     "Boxes",
@@ -65,34 +78,52 @@ __all__ = [
     "FrameClock",
     "GroundTruth",
     "Kind",
+    "Mode",
+    "MotionConfig",
+    "MotionRegisters",
     "OutputError",
+    "PublishedCascade",
+    "PublishedConfig",
+    "PublishedTracker",
     "Recording",
     "RecordingError",
     "RecordingFile",
     "RecordingWarning",
+    "Registers",
     "Rule",
     "RunConfig",
     "Scene",
     "Scores",
     "Shape",
     "SlotConfig",
+    "State",
+    "TickedEvents",
     "ToolchainError",
     "TrackLog",
     "TrackLogError",
     "Tracker",
+    "Transport",
     "Truth",
     "boxes_of_log",
+    "decode_published",
+    "describe",
     "evaluate",
     "filter",
+    "filter_blocks",
+    "learn_hot_pixels",
+    "lifetimes",
     "load_rule",
     "log_of_boxes",
     "open_recording",
+    "plot",
     "read",
     "read_boxes",
     "read_truth",
+    "register_map",
     "run_config",
     "simulate",
     "track",
+    "tracker",
     "write",
     "write_boxes",
     "write_events",
@@ -106,17 +137,25 @@ _forget_stale_kernels(_Path(__file__).parent)
 __getattr__, __dir__ = _lazily(
     __name__,
     {
-        "api": ("evaluate", "filter_recording as filter", "simulate", "track"),
+        "api": ("evaluate", "filter_recording as filter", "plot", "simulate", "track", "tracker"),
         "errors": (
             "ConfigError", "EvcotError", "OutputError", "RecordingError", "RecordingWarning", "ToolchainError", "TrackLogError",
         ),
         "events": ("Events", "Recording"),
         "filters.config": ("FilterConfig",),
-        "hardware.config": ("CotConfig", "SlotConfig"),
-        "hardware.contract": ("Shape",),
+        "filters.hot_pixels": ("learn_hot_pixels",),
+        "filters.run": ("filtered as filter_blocks",),
+        "hardware.config": ("CotConfig", "MotionConfig", "SlotConfig"),
+        "hardware.contract": ("REGISTERS", "Mode", "Shape", "State"),
+        "hardware.modules": ("MODULES",),
+        "hardware.motion.contract": ("MotionRegisters",),
+        "hardware.published.model": ("PublishedCascade", "PublishedConfig", "PublishedTracker", "decode as decode_published"),
+        "hardware.register_access": ("Registers",),
+        "hardware.registers": ("Transport", "register_map"),
         "metrics.rule": ("Rule", "load_rule"),
         "metrics.scores": ("Scores",),
         "metrics.truth": ("GroundTruth", "read_truth"),
+        "recordings.describe": ("describe",),
         "recordings.files": (
             "RecordingFile", "open_recording", "read_recording as read", "write_events", "write_recording as write",
         ),
@@ -124,6 +163,7 @@ __getattr__, __dir__ = _lazily(
         "scenes.scene": ("Scene",),
         "scenes.truth": ("Truth",),
         "structured": ("EVENT_CD",),
+        "ticks": ("TickedEvents",),
         "trackers.config": ("RunConfig",),
         "trackers.engines": ("ENGINES", "Engine"),
         "trackers.presets": ("run_config",),
@@ -131,6 +171,7 @@ __getattr__, __dir__ = _lazily(
         "tracks.formats.of_log": ("boxes_of_log", "log_of_boxes"),
         "tracks.formats.registry": ("read_boxes", "write_boxes"),
         "tracks.log": ("DROPPED", "TRACK", "Kind", "TrackLog"),
+        "tracks.timeline": ("lifetimes",),
         "tracks.tracking": ("Tracker",),
     },
 )  # fmt: skip

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -28,9 +28,9 @@ from .tracks.formats.of_log import log_of_boxes
 from .tracks.formats.registry import is_boxes, read_boxes
 from .tracks.log import TrackLog
 from .tracks.reading import in_the_name_of, open_log
-from .tracks.tracking import signed_log_of
+from .tracks.tracking import Tracker, signed_log_of
 
-__all__ = ["evaluate", "filter_recording", "simulate", "track"]
+__all__ = ["evaluate", "filter_recording", "plot", "simulate", "track", "tracker"]
 
 
 def filter_recording(recording: Recording, config: FilterConfig | None = None, **settings: Any) -> Recording:
@@ -71,12 +71,12 @@ def track(
     Args:
         source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
         engine: one of `ENGINES`.
-        preset: one of `ENGINES[engine].presets`; None: the first. For "cot" also "auto-paper": registers by what is seen in
-            the recording, which is then read twice.
+        preset: one of `ENGINES[engine].presets`; None: the first, of cot, cot_chain and cot_array the one for the sensor.
         config: a TOML file that overrides the preset.
-        settings: an object with all of the engine's settings, in place of preset and file; for "cot" a `RunConfig`.
+        settings: an object with all of the engine's settings, in place of preset and file; for a hardware module a
+            `RunConfig`.
         filters: those in front of the tracker; None: the preset's.
-        changes: fields of the engine's settings, which replace those of the preset; for "cot" with motion its registers.
+        changes: fields of the engine's settings, which replace those of the preset; for "cot_motion" its registers.
 
     Returns:
         The records of every track (births, moves, merges, losses), and the owner of each event.
@@ -86,18 +86,77 @@ def track(
         RecordingError: a file that cannot be read, or holds no events.
     """
     with _blocks(source) as (blocks, sensor):
-        file = Path(config) if config is not None else None
-        default, own = engine_settings(engine, sensor, preset, file, look=lambda: _all_of(source))
-        if settings is not None:
-            if preset is not None or config is not None:
-                raise ConfigError("settings: must not be given with preset or config")
-            if not isinstance(settings, type(default)):
-                kind, wanted = type(settings).__name__, type(default).__name__
-                raise ConfigError(f"settings of type {kind}: must be {wanted} with engine {engine}")
-            default, own = settings, settings.filters if isinstance(settings, RunConfig) else FilterConfig()
-        own = own if filters is None else filters
-        tracker = ENGINES[engine].start(changed(engine, default, changes), own, sensor)
-        return signed_log_of(engine, tracker, blocks)
+        made = tracker(sensor, engine, preset, config=config, settings=settings, filters=filters, **changes)
+        return signed_log_of(engine, made, blocks)
+
+
+def tracker(
+    sensor: Sensor,
+    engine: str = DEFAULT,
+    preset: str | None = None,
+    *,
+    config: Path | str | None = None,
+    settings: Any = None,
+    filters: FilterConfig | None = None,
+    **changes: Any,
+) -> Tracker:
+    """A tracker for a stream of events, as `track` runs it over a recording.
+
+    Example:
+        tracker = evcot.tracker((346, 260))
+        records, owner = tracker.feed(events)  # (m,) of dtype evcot.TRACK; (n,) int16
+
+    Args:
+        sensor: (width, height) in pixels.
+        engine, preset, config, settings, filters, changes: as of `track`.
+
+    Raises:
+        ConfigError: no such engine, preset or setting, or a value outside its range.
+    """
+    file = Path(config) if config is not None else None
+    default, own = engine_settings(engine, sensor, preset, file)
+    if settings is not None:
+        if preset is not None or config is not None:
+            raise ConfigError("settings: must not be given with preset or config")
+        if not isinstance(settings, type(default)):
+            kind, wanted = type(settings).__name__, type(default).__name__
+            raise ConfigError(f"settings of type {kind}: must be {wanted} with engine {engine}")
+        default, own = settings, settings.filters if isinstance(settings, RunConfig) else FilterConfig()
+    own = own if filters is None else filters
+    return ENGINES[engine].start(changed(engine, default, changes), own, sensor)
+
+
+def plot(
+    recording: Recording,
+    logs: Mapping[str, TrackLog],
+    path: Path | str,
+    panels: Sequence[str] = ("tracks",),
+    *,
+    width_mm: float = 85.0,
+    dpi: int = 300,
+    force: bool = False,
+) -> None:
+    """Draw tracks over events as a figure, as `evcot plot` does.
+
+    Example:
+        evcot.plot(recording, {"rct": log}, "tracks.png", ("tracks", "xy"))
+
+    Args:
+        logs: name in the figure -> track log.
+        path: of the figure; its suffix chooses the format.
+        panels: names of `evcot plot --kind`.
+        force: replace a file that exists.
+
+    Raises:
+        ConfigError: no such panel or format.
+        OutputError: the file exists, or cannot be written.
+    """
+    from .pictures.plots import Log, Material, density
+    from .pictures.plots import plot as draw
+
+    counts, first_us, last_us = density([recording.events], (recording.width, recording.height))
+    material = Material(counts, tuple(Log(name, log) for name, log in logs.items()), first_us, last_us, first_us)
+    draw(material, Path(path), tuple(panels), width_mm=width_mm, dpi=dpi, force=force)
 
 
 def simulate(scene: str, seed: int = 1, **settings: Any) -> Scene:
@@ -159,11 +218,6 @@ def evaluate(
     opened = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else open_log(log)
     with in_the_name_of(log):
         return score(opened, truth, chosen)
-
-
-def _all_of(source: Recording | Path | str) -> Iterator[Events]:
-    with _blocks(source) as (blocks, _):
-        yield from blocks
 
 
 @contextmanager

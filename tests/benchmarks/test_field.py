@@ -438,7 +438,7 @@ def test_a_final_seed_set_is_used_once(monkeypatch: pytest.MonkeyPatch, tmp_path
 
 
 def test_settings_at_random_are_valid_and_repeat() -> None:
-    for contender in contenders(["rct", "mean-shift", "frames", "cot"]):
+    for contender in contenders(["rct", "mean-shift", "frames", "cot_array"]):
         first, again = (more_settings(contender, 3, np.random.default_rng(4)) for _ in range(2))
         assert repr(first) == repr(again)
         assert len(first) == len(contender.settings) + 3
@@ -486,7 +486,7 @@ def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ("--trackers nobody", "--trackers nobody: must be some of auto, "),
+        ("--trackers nobody", "--trackers nobody: must be some of cot_motion, "),
         ("--families moon", "--families moon: no family begins so"),
         ("--families digits --leave-out 1", "--leave-out 1: must have families of two sources at least"),
         ("--final 1", "--final 1: must be a seed set that was not used before"),

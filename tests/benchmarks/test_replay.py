@@ -7,7 +7,7 @@ import numpy as np
 
 import replay
 from evcot.hardware.contract import RECORD
-from evcot.hardware.cot import Decisions
+from evcot.hardware.model import Decisions
 from evcot.tracks.log import Kind
 
 

@@ -41,7 +41,7 @@ def ideal(scene: Scene, late_us: int) -> TrackLog:
         records["x"], records["y"] = box.centre(t_us - late_us)
         parts.append(records)
     records = np.concatenate(parts)
-    return TrackLog("cot-model", records[np.argsort(records["t_us"], kind="stable")], np.zeros(1, np.int16))
+    return TrackLog("cot_array", records[np.argsort(records["t_us"], kind="stable")], np.zeros(1, np.int16))
 
 
 @pytest.mark.parametrize("late_us", [0, 2_000, 10_000])
@@ -66,13 +66,13 @@ def test_only_a_life_that_ends_on_a_moving_box_is_lost_on_the_way(benchmark: Any
     ends["t_us"], ends["kind"], ends["track_id"], ends["other_id"] = 200_000, Kind.LOST, (0, 1), -1
     ends["x"], ends["y"] = x[0], (y[0], y[0] + 20)  # on the box, and 20 px below it
     records = np.concatenate((log.records[log.records["t_us"] <= 200_000], ends))
-    assert benchmark("following").follow(TrackLog("cot-model", records, log.owner), scene, LIFETIME_US).lost == 1
+    assert benchmark("following").follow(TrackLog("cot_array", records, log.owner), scene, LIFETIME_US).lost == 1
 
 
 def test_settings_are_those_of_the_paper(benchmark: Any) -> None:
     table2 = benchmark("table2_runs")
     for adjustment in table2.Adjustment:
-        config = table2.configured(table2.Setting(3, 7, adjustment), (346, 260)).cot
+        config = table2.configured(table2.Setting(3, 7, adjustment), (346, 260)).hardware
         slot = config.slots[0]
         assert (slot.clust_nev, slot.hist_avg) == (3, 1)  # alpha = 1/2
         assert slot.max_ticks * config.tick_us == 7_000
@@ -86,7 +86,7 @@ def test_settings_are_those_of_the_paper(benchmark: Any) -> None:
 def test_time_at_each_n_ev_is_weighted_by_how_long_it_lasted(benchmark: Any) -> None:
     records = np.zeros(5, TRACK)
     records["t_us"], records["track_id"], records["n_ev"] = (0, 10, 15, 40, 100), (0, 1, 0, 0, 1), (8, 4, 16, 8, 2)
-    n_ev, lasted_us = benchmark("table2_runs").n_ev_over_time(TrackLog("cot-model", records, np.zeros(1, np.int16)))
+    n_ev, lasted_us = benchmark("table2_runs").n_ev_over_time(TrackLog("cot_array", records, np.zeros(1, np.int16)))
     assert list(zip(n_ev.tolist(), lasted_us.tolist(), strict=True)) == [(8, 15), (16, 25), (4, 90)]
 
 

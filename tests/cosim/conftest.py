@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +18,10 @@ import pytest
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
+from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
-from evcot_cosim.names import Top
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 SLOT = SlotConfig(
@@ -60,14 +61,14 @@ def stalls() -> Stalls:
 
 
 @pytest.fixture(scope="session")
-def vcds(config: CotConfig, blobs: Events, stalls: Stalls, tmp_path_factory: pytest.TempPathFactory) -> dict[Top, Path]:
+def vcds(config: CotConfig, blobs: Events, stalls: Stalls, tmp_path_factory: pytest.TempPathFactory) -> dict[Module, Path]:
     """The waveform of one run through each arrangement of trackers."""
     folder = tmp_path_factory.mktemp("vcds")
     return {top: dumped(config, blobs, stalls, folder / f"{top}.vcd", top) for top in ("cot_array", "cot_chain")}
 
 
-def dumped(config: CotConfig, events: Events, stalls: Stalls, path: Path, top: Top) -> Path:
-    device = Device(config, top, stalls=stalls)
+def dumped(config: CotConfig, events: Events, stalls: Stalls, path: Path, top: Module) -> Path:
+    device = Device(replace(config, module=top), stalls=stalls)
     with device.dumping(path):
         records = device.stream(events).records
     wanted = set(Kind) - {Kind.MERGED} if top == "cot_chain" else set(Kind)

@@ -73,7 +73,7 @@ def view_files(name: str, codes: tuple[str, ...] = CODES) -> set[str]:
     return {f"{name}.vcd", f"{name}.fst", f"{name}.gtkw", *(f"{name}-{code}.txt" for code in codes)}
 
 
-@pytest.mark.parametrize(("preset", "merges", "codes"), [("auto", 0, ("kind", "turn")), ("auto-paper", 1, CODES)])
+@pytest.mark.parametrize(("preset", "merges", "codes"), [("auto", 0, ("kind", "turn")), ("davis346", 1, CODES)])
 def test_a_run_leaves_summary_logs_picture_and_waveform(
     recording: Path, preset: str, merges: int, codes: tuple[str, ...], capsys: Capture
 ) -> None:
@@ -94,13 +94,13 @@ def test_a_run_leaves_summary_logs_picture_and_waveform(
     assert summary["cycles_per_event"] == pytest.approx(summary["cycles"] / 6_000)
     assert summary["realtime_factor"] == pytest.approx(summary["recording_s"] / summary["wall_s"])
     assert summary["events_per_s"] == pytest.approx(6_000 / summary["wall_s"])
-    assert summary["merges"]["cot-rtl"] == summary["merges"]["cot-model"] >= merges
-    assert summary["lifetimes"]["cot-rtl"]["tracks"] == summary["births"]["cot-rtl"] > 1
-    assert summary["agreement"]["tracks_hardware"] == summary["births"]["cot-rtl"]
+    assert summary["merges"]["hardware"] == summary["merges"]["model"] >= merges
+    assert summary["lifetimes"]["hardware"]["tracks"] == summary["births"]["hardware"] > 1
+    assert summary["agreement"]["tracks_hardware"] == summary["births"]["hardware"]
     assert summary["command"].startswith("evcot cosim ")
 
     hardware, model = (TrackLog.load_npz(folder / f"{name}.npz") for name in ("hardware", "model"))
-    assert (hardware.engine, model.engine) == ("cot-rtl", "cot-model")
+    assert hardware.engine == model.engine == summary["hardware"]
     assert np.array_equal(hardware.records, model.records)
     assert len(hardware.records) == summary["records"]
     table = capsys.readouterr().out
@@ -115,10 +115,10 @@ def test_without_a_file_the_box_experiment_runs(capsys: Capture) -> None:
     summary = json.loads(capsys.readouterr().out)
     assert summary == json.loads(Path("build/cosim/boxes/summary.json").read_text())
     assert summary["exact"] is True
-    for engine in ("cot-rtl", "rct"):
-        assert summary["births"][engine] >= 9
-        assert summary["merges"][engine] >= 2
-        assert summary["lifetimes"][engine]["lost"] >= 2
+    assert summary["hardware"] == "cot_motion"
+    for side in ("hardware", "software"):
+        assert summary["births"][side] >= 9
+        assert summary["lifetimes"][side]["lost"] >= 2
 
 
 @pytest.mark.parametrize("hardware", ["cot", "cot_chain"])
@@ -134,7 +134,7 @@ def test_quiet_prints_nothing(recording: Path, capsys: Capture) -> None:
 
 
 def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
-    assert main(["waves", str(recording), "--from", "10", "--to", "11"]) == 0
+    assert main(["waves", str(recording), "--hardware", "cot_array", "--from", "10", "--to", "11"]) == 0
     assert "events 500 to 549 in build/waves/blob/" in capsys.readouterr().out
     folder = Path("build/waves/blob")
     assert {path.name for path in folder.iterdir()} == {"run.toml", *view_files("waves")}
@@ -144,10 +144,10 @@ def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
 def test_presets_are_listed(capsys: Capture) -> None:
     assert main(["presets"]) == 0
     rows = capsys.readouterr().out.splitlines()
-    assert [row.split()[0] for row in rows[1:]] == ["auto", *PRESETS, "auto-paper"]
+    assert [row.split()[0] for row in rows[1:]] == ["auto", *PRESETS]
     assert rows[1].endswith("refractory, activity by the noise")
     assert main(["presets", "--json"]) == 0
-    slow = json.loads(capsys.readouterr().out)["slow"]["cot"]
+    slow = json.loads(capsys.readouterr().out)["slow"]["hardware"]
     assert (slow["slots"][0]["clust_nev"], slow["slots"][0]["max_ticks"]) == (8, 20)
 
 
@@ -164,7 +164,7 @@ def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     broken_verilog(tmp_path, monkeypatch, "array_order.v", "|(at & ~behind)", "|(at & behind)")
-    assert main(["cosim", str(recording), "--preset", "auto-paper", "--stalls", "9"]) == 1
+    assert main(["cosim", str(recording), "--preset", "davis346", "--stalls", "9"]) == 1
     printed = capsys.readouterr()
     assert printed.out == ""
     assert re.search(r"MISMATCH: cot_array: event \d+, tick \d+: record\.\w+: hardware has \d+, model has \d+", printed.err)
@@ -229,7 +229,7 @@ def test_a_bad_configuration(recording: Path, toml: str, message: str, capsys: C
     ("arguments", "message"),
     [
         (("cosim", "--slots", "65"), "shape.n_slots = 65: must be an integer from 1 to 64"),
-        (("cosim", "--preset", "warp"), "preset 'warp': must be one of slow, fast, fast5, dvs128"),
+        (("cosim", "--preset", "warp"), "preset 'warp': must be one of motion, slow, fast"),
         (("cosim", "--seed", "-1"), "--seed -1: must not be negative"),
         (("cosim", "--hardware", "cot", "--slots", "2"), "shape.n_slots = 2: must be 1 for a single tracker"),
         (("waves", "--from", "9000"), "waveform from 9000000 us to 9002000 us: no event there"),

@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import RECORD, Shape
-from evcot.hardware.cot import Arrangement, CotModel
+from evcot.hardware.golden import golden_model
+from evcot.hardware.modules import Module
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RECORD, MotionRegisters
 from evcot.hardware.registers import register_map
 from evcot.hardware.streams import pack_events
@@ -41,7 +42,7 @@ from evcot_cosim.devices.top_device import (
 from support import four_state
 from support.four_state import needs_icarus
 from support.testing import broken_copy
-from support.top import CHAIN, EVERY, MOTION
+from support.top import EVERY
 from support.trials import random_traffic
 
 WIDTH, HEIGHT = 20, 16
@@ -53,22 +54,23 @@ FILTERS = FilterRegisters(
     hot_pixels=((5, 5), (9, 7), (0, 0)),
 )  # fmt: skip
 LIVELY = MotionRegisters(
-    enable=1, step_log2=3, birth_support=2, birth_px=0, birth_ticks=0, birth_travel=8, nev_low=1, nev_high=2, seed_px=2,
+    step_log2=3, birth_support=2, birth_px=0, birth_ticks=0, birth_travel=8, nev_low=1, nev_high=2, seed_px=2,
     side_max=8, detect_ticks=60, life_ticks=40, coast_ticks=200, gap_corrections=1, join_steps=1, report_steps=1,
 )  # fmt: skip
 STATUS, CONTROL = address_of("status"), address_of("control")
 WRITE = write(STATUS, 0)[1]
 SOFT_RESET = write(CONTROL, 1 << 9)
 EVENTS, QUIET = 250, 1_000
-BUILDS = [*((0, 1 << which) for which in Filter), (0, 255), (0, 0), (1, 0), (2, 0)]
-EVERY_BUILD = pytest.mark.parametrize(("tracker", "has"), BUILDS, ids=[f"tracker {t}, filters {h}" for t, h in BUILDS])
+WITHOUT_FILTERS = [("cot_array", 0), ("cot_chain", 0), ("cot_motion", 0)]
+BUILDS = [*(("cot_array", 1 << which) for which in Filter), ("cot_array", 255), *WITHOUT_FILTERS]
+EVERY_BUILD = pytest.mark.parametrize(("module", "has"), BUILDS, ids=[f"{module}, filters {has}" for module, has in BUILDS])
 
 
 class Part(NamedTuple):
     """A part of the program: accesses to the registers, then events under this configuration, from reset; None: no events."""
 
     accesses: list[Command]
-    config: CotConfig
+    config: CotConfig | MotionConfig
     traffic: TickedEvents | None
 
     @property
@@ -79,17 +81,16 @@ class Part(NamedTuple):
         return pack_events(self.traffic.ticks, self.traffic.x, self.traffic.y, self.traffic.p)
 
 
-def case(tracker: int, has: int, cell_px: int = 0) -> tuple[CotConfig, list[Part]]:
+def case(module: Module, has: int, cell_px: int = 0) -> tuple[CotConfig | MotionConfig, list[Part]]:
     """The shapes, and the program."""
-    config = CotConfig.uniform(SHAPE, EVERY)
-    if tracker == MOTION:
-        config = replace(config, motion=LIVELY)
+    motion = module == "cot_motion"
+    config = MotionConfig(SHAPE, LIVELY) if motion else CotConfig.uniform(SHAPE, EVERY, module=module)
     filters = replace(FILTERS, enable=has, hot_pixels=FILTERS.hot_pixels if has >> Filter.MASK & 1 else ())
     sensor = replace(SENSOR, cell_px=cell_px)
     whole = replace(config, filters=filters, filter_shape=sensor) if has else config
     enable = [poll(STATUS, 2, 0), write(CONTROL, 1)]
     rng = np.random.default_rng([60, has])
-    banks = [bank_address(bank) for bank in MOTION_BANKS] if tracker == MOTION else []
+    banks = [bank_address(bank) for bank in MOTION_BANKS] if motion else []
     again = [*(write(address, 1) for address in (slot_address(0), *banks)), poll(STATUS, 2, 0), SOFT_RESET]
     first = random_traffic(rng, SHAPE, EVENTS, 1.5, 0)
     second = random_traffic(rng, SHAPE, EVENTS, 1.5, int(first.ticks[-1]) + 1)
@@ -113,16 +114,15 @@ def word(stream: str, **values: int) -> int:
 
 
 @functools.cache
-def expected(tracker: int, has: int, cell_px: int = 0) -> four_state.Beats:
+def expected(module: Module, has: int, cell_px: int = 0) -> four_state.Beats:
     """What the model decides, as the hardware says it."""
-    found = four_state.Beats(np.zeros(0, MOTION_RECORD if tracker == MOTION else RECORD), [], [], [], [])
-    for part in case(tracker, has, cell_px)[1]:
+    found = four_state.Beats(np.zeros(0, MOTION_RECORD if module == "cot_motion" else RECORD), [], [], [], [])
+    for part in case(module, has, cell_px)[1]:
         found.responses.extend(0 for access in part.accesses if access[1] == WRITE)
         if part.traffic is None:
             continue
         events = replace(part.traffic, ticks=part.traffic.ticks - part.traffic.ticks[0])
-        model = CotModel(part.config, Arrangement.CHAIN if tracker == CHAIN else Arrangement.ARRAY)
-        decided = model.feed(events)
+        decided = golden_model(part.config).feed(events)
         found = found._replace(records=np.concatenate([found.records, decided.records]))
         for seq, (p, owner) in enumerate(zip(events.p.tolist(), decided.owner.tolist(), strict=True)):
             if owner >= 0:
@@ -133,14 +133,9 @@ def expected(tracker: int, has: int, cell_px: int = 0) -> four_state.Beats:
     return found
 
 
-def parameters(tracker: int, has: int) -> dict[str, int]:
-    return {"TRACKER": tracker, "HAS": has}
-
-
-def in_verilator(tracker: int, has: int, seed: int, cell_px: int = 0) -> four_state.Beats:
-    config, parts = case(tracker, has, cell_px)
-    given = {**parameters(tracker, has), "FIFO_DEPTH": 8, "RECORD_DEPTH": 2}
-    device = TopDevice(config, given, initial_seed=seed)
+def in_verilator(module: Module, has: int, seed: int, cell_px: int = 0) -> four_state.Beats:
+    config, parts = case(module, has, cell_px)
+    device = TopDevice(config, {"HAS": has, "FIFO_DEPTH": 8, "RECORD_DEPTH": 2}, initial_seed=seed)
     device.sim.io.aer_req = 1  # no request
     reset(device.sim, 4)
     runs = [device.run(part.words, part.accesses, quiet_clocks=QUIET) for part in parts]
@@ -154,27 +149,27 @@ def in_verilator(tracker: int, has: int, seed: int, cell_px: int = 0) -> four_st
     )
 
 
-def in_icarus(folder: Path, tracker: int, has: int, seed: int, cell_px: int = 0) -> four_state.Beats:
-    _, parts = case(tracker, has, cell_px)
+def in_icarus(folder: Path, module: Module, has: int, seed: int, cell_px: int = 0) -> four_state.Beats:
+    _, parts = case(module, has, cell_px)
     program = [four_state.reset()]
     for part in parts:
         program += [*four_state.commands(part.accesses), *four_state.words(part.words), four_state.quiet(QUIET)]
-    sensor = {"WIDTH": WIDTH, "HEIGHT": HEIGHT, "CELL_PX": cell_px}
-    given = {**parameters(tracker, has), **sensor}
-    return four_state.play_top(folder, program, given, seed, MOTION_RECORD if tracker == MOTION else RECORD)
+    tracker = register_map().trackers.index(module.removeprefix("cot_"))
+    given = {"TRACKER": tracker, "HAS": has, "WIDTH": WIDTH, "HEIGHT": HEIGHT, "CELL_PX": cell_px}
+    return four_state.play_top(folder, program, given, seed, MOTION_RECORD if module == "cot_motion" else RECORD)
 
 
-def same(found: four_state.Beats, wanted: four_state.Beats, tracker: int) -> None:
+def same(found: four_state.Beats, wanted: four_state.Beats, module: Module) -> None:
     """Equal; of a chain, the order between its trackers depends on the stalls."""
     for name, *both in zip(wanted._fields, found, wanted, strict=True):
-        one, other = (sorted(map(repr, list(beats))) if tracker == CHAIN else list(beats) for beats in both)
+        one, other = (sorted(map(repr, list(beats))) if module == "cot_chain" else list(beats) for beats in both)
         assert len(one) == len(other), name
         assert one == other, name
 
 
 @EVERY_BUILD
-def test_the_program_uses_what_is_built(tracker: int, has: int) -> None:
-    wanted = expected(tracker, has)
+def test_the_program_uses_what_is_built(module: Module, has: int) -> None:
+    wanted = expected(module, has)
     assert len(wanted.records) > 60
     assert len(wanted.owned) > 60
     decided = len(wanted.owned) + len(wanted.passed)
@@ -183,27 +178,27 @@ def test_the_program_uses_what_is_built(tracker: int, has: int) -> None:
 
 @needs_icarus
 @EVERY_BUILD
-def test_four_states(tmp_path: Path, tracker: int, has: int) -> None:
-    same(in_icarus(tmp_path, tracker, has, 1 + has), expected(tracker, has), tracker)
+def test_four_states(tmp_path: Path, module: Module, has: int) -> None:
+    same(in_icarus(tmp_path, module, has, 1 + has), expected(module, has), module)
 
 
-@pytest.mark.parametrize(("tracker", "has"), [(0, 255), (0, 0), (1, 0), (2, 0)])
-def test_random_initial_values(tracker: int, has: int) -> None:
+@pytest.mark.parametrize(("module", "has"), [("cot_array", 255), *WITHOUT_FILTERS])
+def test_random_initial_values(module: Module, has: int) -> None:
     """With all filters; each of them alone begins with X above."""
     for seed in range(1, 4):
-        same(in_verilator(tracker, has, seed), expected(tracker, has), tracker)
+        same(in_verilator(module, has, seed), expected(module, has), module)
 
 
 @needs_icarus
 @pytest.mark.parametrize("cell_px", [1, 2, 4])
 def test_memories_of_cells(tmp_path: Path, cell_px: int) -> None:
-    wanted = expected(0, 255, cell_px)
+    wanted = expected("cot_array", 255, cell_px)
     assert len(wanted.owned) + len(wanted.passed) > 60
-    same(in_icarus(tmp_path, 0, 255, 1 + cell_px, cell_px), wanted, 0)
+    same(in_icarus(tmp_path, "cot_array", 255, 1 + cell_px, cell_px), wanted, "cot_array")
 
 
 def test_random_initial_values_of_memories_of_cells() -> None:
-    same(in_verilator(0, 255, 1, 4), expected(0, 255, 4), 0)
+    same(in_verilator("cot_array", 255, 1, 4), expected("cot_array", 255, 4), "cot_array")
 
 
 @needs_icarus
@@ -211,4 +206,4 @@ def test_a_filter_whose_clock_has_no_reset_is_noticed(tmp_path: Path, monkeypatc
     broken = broken_copy(tmp_path / "verilog", "filter_regs.v", "decay_rate <= 25'd0;", "")
     monkeypatch.setenv("EVCOT_VERILOG", str(broken))
     with pytest.raises(AssertionError, match=r"X at|STUCK"):
-        in_icarus(tmp_path, 0, 1 << Filter.DECAY, 1)
+        in_icarus(tmp_path, "cot_array", 1 << Filter.DECAY, 1)

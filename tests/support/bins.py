@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from evcot.trackers.auto.bins import smooth
-from evcot.trackers.auto.layout import World, make_world
+from evcot.trackers.adaptive.bins import smooth
+from evcot.trackers.adaptive.layout import World, make_world
 
 __all__ = ["SENSOR", "world_with"]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The registers of the array with motion as its parts take them: in one word."""
+"""The registers of cot_motion as its parts take them: in one word."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Streams in which objects meet, and registers under which much happens on them: for model and RTL of the array with motion."""
+"""Streams in which objects meet, and registers under which much happens on them: for model and RTL of cot_motion."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["QUICK", "SHAPE", "VARIANTS", "scene"]
 
 SHAPE = Shape(n_slots=5, x_w=7, y_w=6, sup_w=9, id_w=3, radix_w=5)
 QUICK = MotionRegisters(
-    enable=1, step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
+    step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
     birth_ticks=100, birth_travel=3, nev_low=4, nev_high=40, side_max=40, seed_px=3, gap_corrections=4, join_steps=3,
     report_steps=2, ring_max=10,
 )  # fmt: skip

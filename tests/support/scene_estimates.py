@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from evcot.trackers.auto.estimates import Estimates, Objects, Spread
+from evcot.trackers.adaptive.estimates import Estimates, Objects, Spread
 
 
 def spread(median: float, by: float = 1.0) -> Spread:

@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from evcot.filters.contract import Filter, FilterShape
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import Shape
+from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
 from evcot_cosim.devices.top_device import Pace, TopDevice
@@ -19,9 +20,8 @@ from evcot_cosim.devices.top_device import Pace, TopDevice
 from .moving import SHAPE
 from .trials import random_traffic
 
-__all__ = ["ARRAY", "BUILDS", "CHAIN", "DVS128", "EVERY", "MOTION", "SMALL", "Build", "device_of", "traffic_of"]
+__all__ = ["BUILDS", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
 
-ARRAY, CHAIN, MOTION = 0, 1, 2
 SMALL = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=32, time_w=32)
 SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)
 EVERY = SlotConfig(  # a record for every event
@@ -37,34 +37,39 @@ class Build(NamedTuple):
     shape: Shape
     filter_shape: FilterShape
     parameters: Mapping[str, int]
+    module: Module = "cot_array"
 
 
 BUILDS = {
-    "array behind filters": Build(SMALL, SENSOR, {"TRACKER": ARRAY, "SOURCES": 3, "HAS": 255, "FIFO_DEPTH": 40}),
+    "array behind filters": Build(SMALL, SENSOR, {"SOURCES": 3, "HAS": 255, "FIFO_DEPTH": 40}),
     "array": Build(
-        DVS128.cot.shape,
+        DVS128.hardware.shape,
         FilterShape(128, 128),
-        {"TRACKER": ARRAY, "HAS": 3, "DATA_W": 256, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
+        {"HAS": 3, "DATA_W": 256, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
     ),
     "sources": Build(
         Shape(n_slots=2, x_w=8, y_w=8),
         FilterShape(200, 150),
-        {"TRACKER": ARRAY, "SOURCES": 63, "SOURCE": 3, "FIFO_DEPTH": 16},
+        {"SOURCES": 63, "SOURCE": 3, "FIFO_DEPTH": 16},
     ),
-    "chain": Build(SMALL, FilterShape(64, 64), {"TRACKER": CHAIN, "DATA_W": 32, "FIFO_DEPTH": 1, "RECORD_DEPTH": 1}),
+    "chain": Build(SMALL, FilterShape(64, 64), {"DATA_W": 32, "FIFO_DEPTH": 1, "RECORD_DEPTH": 1}, "cot_chain"),
     "motion": Build(
         SHAPE,
         FilterShape(128, 64, stamp_w=12),
-        {"TRACKER": MOTION, "HAS": 1 << Filter.REFRACTORY, "DATA_W": 128, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
+        {"HAS": 1 << Filter.REFRACTORY, "DATA_W": 128, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
+        "cot_motion",
     ),
 }
 
 
-def device_of(name: str, config: CotConfig | None = None, *, pace: Pace | None = None) -> TopDevice:
+def device_of(name: str, config: CotConfig | MotionConfig | None = None, *, pace: Pace | None = None) -> TopDevice:
     """A device of one of the builds; `config` supplies the slots and filters, the build the shapes."""
     build = BUILDS[name]
-    config = replace(config or CotConfig.uniform(build.shape, EVERY), filter_shape=build.filter_shape)
-    return TopDevice(config, build.parameters, pace=pace)
+    if config is None:
+        config = MotionConfig(build.shape) if build.module == "cot_motion" else CotConfig.uniform(build.shape, EVERY)
+    if isinstance(config, CotConfig):
+        config = replace(config, module=build.module)
+    return TopDevice(replace(config, filter_shape=build.filter_shape), build.parameters, pace=pace)
 
 
 def traffic_of(rng: np.random.Generator, build: Build, n: int, since: int = 0) -> TickedEvents:

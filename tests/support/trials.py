@@ -15,12 +15,13 @@ import numpy as np
 
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
-from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.hardware.cot import CotModel
+from evcot.hardware.model import Decisions
+from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, build_device
 from evcot_cosim.lockstep.random_runs import random_config, random_traffic
-from evcot_cosim.names import Top
 
 from .ticked import ticked
 
@@ -82,15 +83,15 @@ class Outcome:
 
 
 def run_story(
-    story: Iterable[tuple[int, int, int]], config: CotConfig, top: Top = "cot_array", engine: Engine = "rtl"
+    story: Iterable[tuple[int, int, int]], config: CotConfig, module: Module = "cot_array", engine: Engine = "rtl"
 ) -> Outcome:
-    """Run a story through the hardware `top`, or through the golden model in the same arrangement."""
+    """Run a story through a hardware module, or through its golden model."""
+    config = replace(config, module=module)
     ticks, x, y = np.array(list(story), np.int64).reshape(-1, 3).T
     events = ticked(ticks, x, y, (x ^ y) & 1)
     if engine == "model":
-        arrangement = Arrangement.ARRAY if top == "cot_array" else Arrangement.CHAIN
-        return Outcome(config, CotModel(config, arrangement).feed(events))
-    return Outcome(config, bare_device(config, top).stream(events))
+        return Outcome(config, CotModel(config).feed(events))
+    return Outcome(config, bare_device(config).stream(events))
 
 
 # Slot 1 starts track 1 and keeps it; slot 0 starts one track after another, the last of them track 8, whose id in three bits
@@ -111,7 +112,7 @@ OLD_AND_YOUNG: tuple[list[tuple[int, int, int]], CotConfig] = (
 
 def compare_random_runs(
     shape: Shape,
-    top: Top,
+    module: Module,
     seed: int,
     runs: int,
     events_per_run: int,
@@ -126,20 +127,20 @@ def compare_random_runs(
     Raises:
         AssertionError: they differ; the message names run and seed.
     """
-    print(f"{top}, {shape.n_slots} slots, frac {shape.frac}, seed {seed}:", end=" ")
+    print(f"{module}, {shape.n_slots} slots, frac {shape.frac}, seed {seed}:", end=" ")
     built = None
     census = dict.fromkeys(Kind, 0)
     for run in range(runs):
         rng = np.random.default_rng([seed, run])
-        config = random_config(rng, shape)
-        built = built or build_device(config, top, waves=False)
-        device = Device(config, top, model=built, stalls=Stalls.random(rng) if run % 4 else None)
-        model = CotModel(config, device.arrangement)
+        config = random_config(rng, shape, module)
+        built = built or build_device(config, waves=False)
+        device = Device(config, model=built, stalls=Stalls.random(rng) if run % 4 else None)
+        model = CotModel(config)
         for _ in range(parts):
             rate = float(rng.choice(rates))
             traffic = random_traffic(rng, shape, events_per_run // parts, rate, device.now)
             # Now and then behind a filter that takes out a third; a single tracker has its events numbered outside.
-            keep = None if top == "cot" or run % 2 else rng.random(len(traffic)) < 2 / 3
+            keep = None if module == "cot" or run % 2 else rng.random(len(traffic)) < 2 / 3
             hardware, golden = device.stream(traffic, keep), model.feed(traffic, keep)
             for field in Decisions._fields:
                 theirs, ours = getattr(hardware, field), getattr(golden, field)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ros2 launch evcot_ros track.launch.py events:=/event_camera/events engine:=cot"""
+"""ros2 launch evcot_ros track.launch.py events:=/event_camera/events engine:=cot_motion"""
 
 from launch.actions import DeclareLaunchArgument
 from launch.substitutions import LaunchConfiguration
@@ -9,7 +9,7 @@ from launch import LaunchDescription
 
 
 def generate_launch_description() -> LaunchDescription:
-    defaults = {"events": "/event_camera/events", "tracks": "/event_camera/tracks", "engine": "cot", "preset": ""}
+    defaults = {"events": "/event_camera/events", "tracks": "/event_camera/tracks", "engine": "cot_motion", "preset": ""}
     chosen = {name: LaunchConfiguration(name) for name in defaults}
     node = Node(
         package="evcot_ros",

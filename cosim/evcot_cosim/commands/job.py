@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 import argparse
-from typing import get_args
 
+from evcot.hardware.modules import DEFAULT_MODULE, MODULES
 from evcot.scenes.registry import SCENES
 
-from ..names import Top
 from .filter_options import filter_options
 from .options import damage_options
 from .parsing import group_of, input_or_name, input_path
@@ -20,7 +19,7 @@ DEFAULT_SCENE = "boxes"
 
 def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: bool = False) -> None:
     """Add what `job_from` reads; `runs`: the folder of a run is an input too; `auto`: as of `job_from`."""
-    default = "auto, with a recording" if auto else "the one for the sensor"
+    default = "auto, with a recording" if auto else "motion; of other hardware the one for the sensor"
     source = f"a recording, or a scene: {', '.join(SCENES)} (default: {DEFAULT_SCENE})"
     run = "the folder of a run of `evcot cosim`; " if runs else ""
     parser.add_argument("recording", nargs="?", type=input_or_name, metavar="RUN" if runs else "FILE", help=run + source)
@@ -29,13 +28,15 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: 
     group.add_argument(
         "--preset",
         metavar="NAME",
-        help=f"one of `evcot presets`; auto, auto-paper: chosen from what the recording shows (default: {default})",
+        help=f"one of `evcot presets`; auto: settings estimated from the recording (default: {default})",
     )
     group.add_argument(
         "--config", type=input_path, metavar="TOML", help="a file that overrides the preset, or a whole run (--print-config)"
     )
     group.add_argument("--slots", type=int, metavar="N", help="tracker slots (default: the preset's)")
-    group.add_argument("--hardware", choices=get_args(Top), help="which RTL module (default: cot_array)")
+    group.add_argument(
+        "--hardware", choices=MODULES, help=f"which RTL module (default: the preset's, {DEFAULT_MODULE} without one)"
+    )
     group.add_argument("--stalls", type=int, metavar="SEED", help="stall the hardware's streams at random, from this seed")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
     damage_options(parser)

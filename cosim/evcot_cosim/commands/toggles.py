@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import get_args
 
-from ..names import Top
+from evcot.hardware.modules import MODULES
+
 from .job import input_options
 from .parsing import add_command, output_option
 
@@ -34,7 +34,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         metavar="MS",
         help=f"end (default: {TOGGLES_MS:g} ms after --from)",
     )
-    parser.add_argument("--beside", choices=get_args(Top), help="another RTL module on the same events, in the same table")
+    parser.add_argument("--beside", choices=MODULES, help="another RTL module on the same events, in the same table")
     output_option(
         parser, "--saif", suffixes=(".saif",), metavar="FILE", help="write the toggles of every net of --hardware in SAIF"
     )

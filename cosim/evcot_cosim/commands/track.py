@@ -17,7 +17,7 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot track drive.aedat4 -o log.npz              # no settings needed
-evcot track drive.aedat4 --engine auto -o log.npz  # a tracker in software that works in another way
+evcot track drive.aedat4 --engine adaptive -o log.npz  # a tracker in software that works in another way
 evcot track drive.aedat4 --engine rct --preset traffic -o log.npz
 evcot track drive.aedat4 --boxes result.txt --frame-us 40000   # MOTChallenge, 25 frames a second
 evcot track drive.raw --engine rct --preset traffic --set radius_px=12 --learn-hot-pixels --json

@@ -39,7 +39,10 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         metavar="RULE",
         help=f"how to read and score the truths: {known}, or a .toml file (default: by their columns)",
     )
-    parser.add_argument("--engine", choices=[*ENGINES, "rtl"], default="rct", help="engine to tune (default: rct)")
+    engines = [*ENGINES, "rtl"]
+    parser.add_argument(
+        "--engine", choices=engines, default="rct", metavar="NAME", help=f"one of {', '.join(engines)} (default: rct)"
+    )
     parser.add_argument(
         "--preset", metavar="NAME", help="preset to start from (default: the engine's first, or the one for the sensor)"
     )

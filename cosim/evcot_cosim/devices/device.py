@@ -15,30 +15,29 @@ import numpy as np
 from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
-from evcot.errors import ConfigError, OutputError
+from evcot.errors import OutputError
 from evcot.events import Events
 from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, mask_word
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig, HardwareConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import RECORD, REGISTERS, Shape
-from evcot.hardware.cot import Arrangement, Decisions
-from evcot.hardware.motion.contract import MOTION_RECORD
+from evcot.hardware.model import Decisions
+from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
 from evcot.hardware.registers import motion_addresses, register_map
 from evcot.outputs import path_written_aside
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
-from ..names import DEFAULT_TOP, Top
 from ..rtl.build import PORTS_ONLY_FLAGS, BuiltModel, build
 from .base import HardwareError, Stalls, pointer
 from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
-from .motion import MOTION_PARAMETERS, check_motion, motion_writes
 from .silence import check_waits
 
-__all__ = ["Device", "DeviceState", "StreamTimes", "arrangement_of", "build_device", "step_clocks"]
+__all__ = ["Device", "DeviceState", "StreamTimes", "build_device", "step_clocks"]
 
 _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
-_MOTION = "cot_motion"  # the array with motion
+# The fields of a shape that cot_motion.v has as parameters.
+_MOTION_PARAMETERS = frozenset({"n_slots", "x_w", "y_w", "tick_w", "radix_w", "sup_w", "id_w", "seq_w", "time_w"})
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
 _NO_EVENTS = TickedEvents(np.empty(0, np.int64), np.empty(0, np.uint16), np.empty(0, np.uint16), np.empty(0, np.uint8))
@@ -65,8 +64,7 @@ class DeviceState(NamedTuple):
 
 
 def build_device(
-    config: CotConfig,
-    top: Top = DEFAULT_TOP,
+    config: CotConfig | MotionConfig,
     *,
     waves: bool = True,
     savable: bool = False,
@@ -74,35 +72,31 @@ def build_device(
     gates: bool = False,
     on_miss: Callable[[], None] | None = None,
 ) -> BuiltModel:
-    """Build the model of `top` in the shape given by `config`, with its streaming drive, or find it in the cache.
+    """Build the module of a configuration in its shape, with its streaming drive, or find it in the cache.
 
-    Without `waves` a waveform shows the ports of `top` alone. Verilator then optimises the signals below it away, which makes
-    building and running faster.
+    Without `waves` a waveform shows the ports of the module alone. Verilator then optimises the signals below it away, which
+    makes building and running faster.
 
     Args:
-        waves: whether waveforms show what lies below `top`.
+        waves: whether waveforms show what lies below the ports.
         savable: whether the state of a simulation can be saved and restored.
         verilog: the folder of the RTL; None: that of this checkout or package.
         gates: there is a netlist in it, whose cells change at other signals than the clock.
         on_miss: called before a build that takes seconds.
 
     Raises:
-        ConfigError: a shape that `top` cannot have, or a rule that the RTL does not have.
+        ConfigError: `config` is no configuration of hardware.
         ToolchainError: a tool is missing or too old, or the build fails.
     """
-    check_motion(config, top)
-    shape, motion = config.shape, bool(config.motion.enable)
+    HardwareConfig.check_type(config)
+    shape, motion = config.shape, isinstance(config, MotionConfig)
     parameters = {
         verilog_name: getattr(shape, name)
         for name, verilog_name in PARAMETERS.items()
-        if not motion or name in MOTION_PARAMETERS
+        if not motion or name in _MOTION_PARAMETERS
     }
-    module: str = _MOTION if motion else top
-    if top == "cot":
-        if shape.n_slots != 1:
-            raise ConfigError(f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker")
-        if config.filtered:
-            raise ConfigError("a single `cot` has no filters in front: use cot_array with one slot")
+    module: str = config.module
+    if module == "cot":
         del parameters["N"]
     elif config.filtered:
         parameters |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
@@ -118,15 +112,14 @@ def build_device(
 
 
 class Device:
-    """One simulated tracker: `cot`, `cot_chain` or `cot_array`; with `motion.enable` in the configuration, `cot_motion`.
+    """One simulated tracker: the module of its configuration.
 
     Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` runs one clock, about 10^4 per second.
     Streaming: `stream` passes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
     the same decisions.
 
     Args:
-        config: shape and registers; written to the hardware on construction.
-        top: name of the module.
+        config: module, shape and registers; written to the hardware on construction.
         stalls: patterns for the streaming drive.
         model: a model that `build_device` returned for the same config, to avoid the look-up.
         waves: see `build_device`; without a `model`.
@@ -137,19 +130,17 @@ class Device:
 
     def __init__(
         self,
-        config: CotConfig,
-        top: Top = DEFAULT_TOP,
+        config: CotConfig | MotionConfig,
         *,
         stalls: Stalls | None = None,
         model: BuiltModel | None = None,
         waves: bool = True,
         verilog: Path | None = None,
     ) -> None:
-        CotConfig.check(config)
+        HardwareConfig.check_type(config)
         self.config = config
-        self.top: Top = top
         self.stalls = stalls or Stalls()
-        self.model = model or build_device(config, top, waves=waves, verilog=verilog)
+        self.model = model or build_device(config, waves=waves, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         library = self.sim.lib
         library.evcot_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)
@@ -175,10 +166,13 @@ class Device:
         self.seq = 0
         self.cycle = 0
         self._clock = TickCounter(self.config.tick_us)
-        if self.config.motion.enable:
-            self._write(motion_writes(self.config.motion))
-        for slot, registers in enumerate(self.config.slots):
-            self._write_slot(slot, registers)
+        if isinstance(self.config, MotionConfig):
+            self._write_motion(self.config.registers)
+            for slot, mode in enumerate(self.config.modes):
+                self._write_mode(slot, mode)
+        else:
+            for slot, registers in enumerate(self.config.slots):
+                self._write_slot(slot, registers)
         self._unfinished = False
         self._early: list[tuple[NDArray[np.void], NDArray[np.int64]]] = []  # records before the next stream's, and their clocks
         if self.config.filtered:
@@ -189,23 +183,36 @@ class Device:
     def write_registers(self, slot: int, registers: SlotConfig) -> None:
         """Write one slot's registers through the register port, `mode` last: that restarts the slot.
 
-        With motion a slot has no other. A restart goes on for some clocks after the write. The next write waits for its end;
-        the records of tracks that end by it are among those that the next `stream` returns.
+        A restart goes on for some clocks after the write. The next write waits for its end; the records of tracks that end by
+        it are among those that the next `stream` returns. Not for cot_motion, see `write_mode`.
         """
+        self._finish_write()
+        self._write_slot(slot, registers)
+
+    def write_mode(self, slot: int, mode: int) -> None:
+        """Write the mode of a slot of cot_motion, which restarts the slot; see `write_registers`."""
+        self._finish_write()
+        self._write_mode(slot, mode)
+
+    def _finish_write(self) -> None:
         if self._unfinished:
             decisions, times = self._stream(_NO_EVENTS, np.empty(0, np.int64))
             self._early = [(decisions.records, times)]
-        self._write_slot(slot, registers)
         self._unfinished = True
 
     def _write_slot(self, slot: int, registers: SlotConfig) -> None:
-        if self.top != "cot":
+        if self.config.module != "cot":
             self.sim.io.cfg_slot = slot
-        if self.config.motion.enable:
-            self._write([(motion_addresses()["mode"], int(registers.mode))])
-        else:
-            names = sorted(REGISTERS, key="mode".__eq__)
-            self._write([(REGISTERS[name].address, int(getattr(registers, name))) for name in names])
+        names = sorted(REGISTERS, key="mode".__eq__)
+        self._write([(REGISTERS[name].address, int(getattr(registers, name))) for name in names])
+
+    def _write_mode(self, slot: int, mode: int) -> None:
+        self.sim.io.cfg_slot = slot
+        self._write([(motion_addresses()["mode"], int(mode))])
+
+    def _write_motion(self, registers: MotionRegisters) -> None:
+        addresses = motion_addresses().items()
+        self._write([(address, int(getattr(registers, name))) for name, address in addresses if name != "mode"])
 
     def _write(self, writes: list[tuple[int, int]]) -> None:
         io = self.sim.io
@@ -229,7 +236,7 @@ class Device:
 
     def _settle(self) -> None:
         if not self.sim.lib.evcot_settle(self.sim.model, _SETTLE_CLOCKS):
-            raise HardwareError(f"{self.top} is not idle {_SETTLE_CLOCKS} clocks after reset", self.seq)
+            raise HardwareError(f"{self.config.module} is not idle {_SETTLE_CLOCKS} clocks after reset", self.seq)
 
     @contextmanager
     def dumping(self, path: Path, first_event: int = 0, last_event: int = _FOREVER, *, force: bool = False) -> Iterator[None]:
@@ -304,7 +311,7 @@ class Device:
         owner = np.full(n, UNDECIDED, np.int16)
         rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # stay 0 for events dropped by a filter
         patterns = self.stalls
-        motion = bool(self.config.motion.enable)
+        motion = isinstance(self.config, MotionConfig)
         drive, record = (MOTION_DRIVE, MOTION_RECORD) if motion else (DRIVE, RECORD)
         job = drive.job(
             n=n, ticks=pointer(ticked.ticks), x=pointer(ticked.x), y=pointer(ticked.y), p=pointer(ticked.p), keep=pointer(keep),
@@ -326,7 +333,7 @@ class Device:
         most = _FOREVER if motion else 3 * n + 2 * self.shape.n_slots
         while status == Status.RECORDS_FULL:
             if sum(map(len, records)) > most:
-                raise HardwareError(f"{self.top} sends more records than {n} events can cause", self.seq + job.next)
+                raise HardwareError(f"{self.config.module} sends more records than {n} events can cause", self.seq + job.next)
             room = np.zeros(max(1024, n // 4), record)
             clocks = None if accepted is None else np.zeros(len(room), np.int64)
             job.records, job.record_capacity, job.n_records = pointer(room), len(room), 0
@@ -337,9 +344,9 @@ class Device:
                 recorded.append(clocks[: job.n_records])
         self.now, self.cycle, self.seq = job.now, job.cycle, self.seq + job.next
         if status != Status.DONE:
-            raise HardwareError(f"{self.top} {status.fault} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
+            raise HardwareError(f"{self.config.module} {status.fault} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
         joined = records[0] if len(records) == 1 else np.concatenate(records)
-        order = _order_of(joined) if self.top == "cot_chain" else slice(None)
+        order = _order_of(joined) if self.config.module == "cot_chain" else slice(None)
         joined, times = joined[order], np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)
         if self._early:
             early, self._early = [*self._early, (joined, times)], []
@@ -349,25 +356,15 @@ class Device:
 
     def _step_clocks(self, ticks: NDArray[np.int64]) -> int:
         """The most clocks that motion steps take in the longest wait: in each, every slot may be compared with all others."""
-        if not self.config.motion.enable:
+        if not isinstance(self.config, MotionConfig):
             return 0
         wait = int(np.diff(ticks, prepend=self.now).max(initial=0))
-        return step_clocks(self.shape.n_slots, wait, self.config.motion.step_log2)
-
-    @property
-    def arrangement(self) -> Arrangement:
-        """The golden model's arrangement that matches this hardware."""
-        return arrangement_of(self.top)
+        return step_clocks(self.shape.n_slots, wait, self.config.registers.step_log2)
 
 
 def step_clocks(slots: int, wait: int, step_log2: int) -> int:
-    """The most clocks that an array with motion may take for the motion steps within so many ticks: see docs/motion.md."""
+    """The most clocks that cot_motion may take for the motion steps within so many ticks: see docs/motion.md."""
     return min((1 + (wait >> step_log2)) * slots * (_SLOT_CLOCKS + _PAIR_CLOCKS * slots), _FOREVER >> 1)
-
-
-def arrangement_of(top: Top) -> Arrangement:
-    """The golden model's arrangement that matches a module."""
-    return Arrangement.ARRAY if top == "cot_array" else Arrangement.CHAIN
 
 
 def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:

@@ -95,7 +95,7 @@ _JOB = {
 
 DRIVE = _drive(RECORD)
 MOTION_DRIVE = _drive(MOTION_RECORD)
-"""That of an array with motion, whose records have a box and a velocity."""
+"""That of cot_motion, whose records have a box and a velocity."""
 
 
 @cache
@@ -103,7 +103,7 @@ def source(top: str, shape: Shape, motion: bool = False, gates: bool = False) ->
     """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array`, `cot_motion` or `cot_filtered`.
 
     Args:
-        motion: its records are those of an array with motion.
+        motion: its records are those of cot_motion.
         gates: it holds a netlist, so that not the clock alone changes something.
     """
     return (MOTION_DRIVE if motion else DRIVE).source(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.errors import RecordingError
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import HardwareConfig
 
 __all__ = ["SILENT_CLOCKS_MAX", "check_silence", "check_waits"]
 
@@ -30,7 +30,7 @@ def _longest(times: NDArray[np.int64], before: int) -> tuple[int, int, int]:
     return at, last, int(times[at]) - last
 
 
-def check_silence(t_us: NDArray[np.int64], config: CotConfig, first_index: int = 0, before_us: int | None = None) -> None:
+def check_silence(t_us: NDArray[np.int64], config: HardwareConfig, first_index: int = 0, before_us: int | None = None) -> None:
     """Raise RecordingError where a run of a recording's events, in time order, has a gap too long for hardware.
 
     Args:
@@ -46,7 +46,7 @@ def check_silence(t_us: NDArray[np.int64], config: CotConfig, first_index: int =
     if clocks > SILENT_CLOCKS_MAX:
         raise RecordingError(
             f"event {first_index + at}: t = {t_us[at]} us follows t = {last_us} us: a gap of {gap_us / 1e6:g} s costs {clocks} "
-            f"clocks: must be at most {SILENT_CLOCKS_MAX}; take a part without it (--from, --to), or a longer cot.tick_us"
+            f"clocks: must be at most {SILENT_CLOCKS_MAX}; take a part without it (--from, --to), or a longer tick_us"
         )
 
 

@@ -16,9 +16,9 @@ from pyverilator import PyVerilator
 
 from evcot.errors import ConfigError
 from evcot.filters.contract import FILTER_SHAPE_RANGES, mask_word
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import RECORD, REGISTERS
-from evcot.hardware.cot import Decisions
+from evcot.hardware.model import Decisions
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RECORD
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
@@ -28,7 +28,6 @@ from ..rtl.build import PORTS_ONLY_FLAGS, RANDOM_INITIAL_FLAGS, build
 from .base import Drive, Ending, HardwareError, pointer, reset
 from .device import _order_of
 from .driver import PARAMETERS
-from .motion import check_top
 
 __all__ = [
     "COMMAND",
@@ -128,17 +127,19 @@ def filter_address(register: str = "commit") -> int:
     return bank_address("filter", register)
 
 
-def configuration(config: CotConfig) -> list[Command]:
+def configuration(config: CotConfig | MotionConfig) -> list[Command]:
     """The accesses that write and commit a configuration."""
     found = []
-    names = ["mode"] if config.motion.enable else list(REGISTERS)
-    for slot, registers in enumerate(config.slots):
-        found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in names]
-        found.append(write(slot_address(slot), 1))
-    if config.motion.enable:
+    if isinstance(config, MotionConfig):
+        for slot, mode in enumerate(config.modes):
+            found += [write(slot_address(slot, "mode"), int(mode)), write(slot_address(slot), 1)]
         for bank, listed in MOTION_BANKS.items():
-            found += [write(bank_address(bank, name), int(getattr(config.motion, name))) for name in listed]
+            found += [write(bank_address(bank, name), int(getattr(config.registers, name))) for name in listed]
             found.append(write(bank_address(bank), 1))
+    else:
+        for slot, registers in enumerate(config.slots):
+            found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in REGISTERS]
+            found.append(write(slot_address(slot), 1))
     if config.filtered:
         if config.filters.hot_pixels:
             found.append(poll_status("cleared", 1))
@@ -209,7 +210,7 @@ class TopRun(NamedTuple):
     """Results of a run.
 
     Attributes:
-        records: (m,) RECORD, with motion MOTION_RECORD, in the order received.
+        records: (m,) RECORD, of cot_motion MOTION_RECORD, in the order received.
         owned, passed: words, uint64: see `evcot.hardware.streams`.
         user: (k,) uint8, tuser of each owned event.
         commands: (c,) COMMAND, with result and response.
@@ -256,19 +257,18 @@ class TopDevice:
 
     Args:
         config: gives the shapes; its registers are written over the bus by `configure`.
-        parameters: values for other Verilog parameters, such as SOURCES or TRACKER; TRACKER is that of an array with motion if
-            `config` has motion, unless given.
+        parameters: values for other Verilog parameters, such as SOURCES; TRACKER follows from the module of `config`.
         pace: stalls at the other end of every channel.
         initial_seed: registers begin with random values by this seed; 0: with zeros.
 
     Raises:
-        ConfigError: `config` has motion and TRACKER is another, or the reverse.
+        ConfigError: a TRACKER that is not the module of `config`.
         ToolchainError: it cannot be built.
     """
 
     def __init__(
         self,
-        config: CotConfig,
+        config: CotConfig | MotionConfig,
         parameters: Mapping[str, int] | None = None,
         *,
         pace: Pace | None = None,
@@ -279,11 +279,14 @@ class TopDevice:
         self.pace = pace or Pace()
         chosen = {verilog_name: getattr(config.shape, name) for name, verilog_name in PARAMETERS.items()}
         chosen |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
-        trackers = register_map().trackers
-        chosen["TRACKER"] = trackers.index("motion" if config.motion.enable else "array")
+        trackers, module = register_map().trackers, config.module.removeprefix("cot_")
+        if module not in trackers:
+            raise ConfigError(f"module = {config.module!r}: must be one of cot_{', cot_'.join(trackers)} for evcot_top")
+        chosen["TRACKER"] = trackers.index(module)
         chosen |= parameters or {}
-        check_top(config, chosen["TRACKER"])
-        self.record: np.dtype[np.void] = MOTION_RECORD if config.motion.enable else RECORD
+        if chosen["TRACKER"] != trackers.index(module):
+            raise ConfigError(f"TRACKER = {chosen['TRACKER']}: must be {trackers.index(module)}, that of {config.module}")
+        self.record: np.dtype[np.void] = MOTION_RECORD if isinstance(config, MotionConfig) else RECORD
         drive = _source(chosen.get("DATA_W", 64), self.record.itemsize)
         flags = (*PORTS_ONLY_FLAGS, *(RANDOM_INITIAL_FLAGS if initial_seed else ()))
         self.model = build("evcot_top", chosen, {"top.cpp": drive}, extra_flags=flags, verilog=verilog)
@@ -296,14 +299,14 @@ class TopDevice:
         self.clock = 0
         self._random = self.pace.seed
 
-    def configure(self, config: CotConfig | None = None) -> None:
+    def configure(self, config: CotConfig | MotionConfig | None = None) -> None:
         """Write all registers of a configuration of the same shape, commit them, and enable the event input.
 
         Raises:
-            ConfigError: it has motion and the hardware has not, or the reverse.
+            ConfigError: a configuration of another module.
         """
-        if config is not None and config.motion.enable != self.config.motion.enable:
-            raise ConfigError(f"motion.enable = {config.motion.enable}: must be {self.config.motion.enable}, as it was built")
+        if config is not None and config.module != self.config.module:
+            raise ConfigError(f"module = {config.module!r}: must be {self.config.module!r}, as it was built")
         self.run(commands=[*configuration(config or self.config), poll_status("pending", 0), write(address_of("control"), 1)])
 
     def run(

@@ -7,13 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.events import Events
-from evcot.hardware.config import CotConfig
-from evcot.hardware.cot import to_track_records
+from evcot.hardware.config import CotConfig, MotionConfig
+from evcot.hardware.golden import to_track_records
 from evcot.ticks import TickCounter
 from evcot.tracks.log import TRACK
 from evcot.tracks.tracking import TrackerOutput
 
-from ..names import Top
 from ..rtl.build import BuiltModel
 from .device import Device
 
@@ -23,8 +22,8 @@ __all__ = ["DeviceTracker"]
 class DeviceTracker:
     """A compiled module with times in microseconds, tick 0 at the first event. See `evcot.tracks.tracking.Tracker`.
 
-    It returns what `evcot.hardware.cot.CotTracker` returns for the same events. Build it with filters in the configuration
-    as the hardware has them, in front.
+    It returns what `evcot.hardware.golden.GoldenTracker` returns for the same events. Filters of the configuration are in the
+    hardware, in front of the tracker.
 
     Args:
         model: a model that `build_device` returned for the same config, to avoid the look-up.
@@ -33,8 +32,8 @@ class DeviceTracker:
         ConfigError, ToolchainError: as `Device`.
     """
 
-    def __init__(self, config: CotConfig, top: Top = "cot_array", *, model: BuiltModel | None = None) -> None:
-        self._device = Device(config, top, model=model)
+    def __init__(self, config: CotConfig | MotionConfig, *, model: BuiltModel | None = None) -> None:
+        self._device = Device(config, model=model)
         self._clock = TickCounter(config.tick_us)
         self._seen = 0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from pyverilator import PyVerilator
@@ -20,7 +20,6 @@ from ..devices.base import Stalls, reset
 from ..devices.device import Device
 from ..devices.published_device import LIBRARY, at, play
 from ..devices.top_device import TopDevice
-from ..names import Top
 from ..rtl.build import load
 from .catalogue import Answer, Module
 
@@ -57,7 +56,7 @@ def clocks(module: Module, n: int | None) -> int | None:
 def _to_record(module: Module, n: int | None) -> int:
     now_and_then = np.zeros(_APART, np.uint8)
     now_and_then[0] = 1
-    device = Device(_last_of(n or 1, tick_w=1), cast(Top, module.top), stalls=Stalls(source=now_and_then))
+    device = Device(_last_of(n or 1, module.top, tick_w=1), stalls=Stalls(source=now_and_then))
     still = np.full(_EVENTS, _PLACE, np.uint16)
     events = TickedEvents(np.arange(1, _EVENTS + 1), still, still, np.zeros(_EVENTS, np.uint8))
     decisions, times = device.stream_timed(events)
@@ -65,10 +64,10 @@ def _to_record(module: Module, n: int | None) -> int:
     return int(np.median(times.recorded - times.accepted[cause]))
 
 
-def _last_of(n_slots: int, **shape: int) -> CotConfig:
+def _last_of(n_slots: int, module: str = "cot_array", **shape: int) -> CotConfig:
     """Register settings with only the last slot enabled."""
     off = replace(_SLOT, mode=Mode.OFF)
-    return CotConfig(Shape(n_slots=n_slots, **shape), (*(off,) * (n_slots - 1), _SLOT))
+    return CotConfig(Shape(n_slots=n_slots, **shape), (*(off,) * (n_slots - 1), _SLOT), module=cast(Any, module))
 
 
 def _to_beat(module: Module, n: int | None) -> int:

@@ -7,8 +7,8 @@ import numpy as np
 
 from evcot.errors import ConfigError, ToolchainError
 from evcot.events import Events
-from evcot.hardware.config import CotConfig
-from evcot.hardware.cot import CotTracker
+from evcot.hardware.config import CotConfig, MotionConfig
+from evcot.hardware.golden import GoldenTracker
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.tracking import Tracker
 
@@ -23,18 +23,18 @@ _RTL, _MODEL = "RTL in simulation", "golden model"
 _BLOB_EVENTS = 4_000
 
 
-def hardware_beside(config: CotConfig, sensor: Sensor) -> Beside:
-    """The array with this configuration; compiled where that has not been done, which takes 10 to 60 s.
+def hardware_beside(config: CotConfig | MotionConfig, sensor: Sensor) -> Beside:
+    """The module with this configuration; compiled where that has not been done, which takes 10 to 60 s.
 
     The golden model decides as the RTL does, bit for bit. It is there from the start where the RTL has not these rules or
     cannot be compiled here, and takes over, beginning anew, when events come faster than the simulation takes them.
     """
-    warm_up(CotTracker(config), sensor)
+    warm_up(GoldenTracker(config), sensor)
     try:
         tracker = DeviceTracker(config, model=build_device(config, waves=False))
     except (ConfigError, ToolchainError) as error:
-        return Beside(HARDWARE, f"{_MODEL}; {error}", CotTracker(config))
-    return Beside(HARDWARE, _RTL, tracker, (_MODEL, lambda: CotTracker(config)))
+        return Beside(HARDWARE, f"{_MODEL}; {error}", GoldenTracker(config))
+    return Beside(HARDWARE, _RTL, tracker, (_MODEL, lambda: GoldenTracker(config)))
 
 
 def warm_up(tracker: Tracker, sensor: Sensor) -> None:

@@ -15,9 +15,9 @@ from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, HardwareConfig, MotionConfig
 from evcot.hardware.contract import RECORD
-from evcot.hardware.cot import CotModel, to_track_records
+from evcot.hardware.golden import golden_model, to_track_records
 from evcot.recordings.formats.source import Sensor
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.trackers.config import RunConfig
@@ -29,10 +29,10 @@ from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, build_device
 from ..devices.silence import check_silence
-from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .lockstep import Lockstep, chunks
 from .mismatch import Mismatch
+from .run_file import Source
 
 __all__ = [
     "CosimRun",
@@ -47,13 +47,15 @@ __all__ = [
     "stalls_from",
 ]
 
+_NEAR_PX = 12.0  # of cot_motion and the adaptive tracker, whose windows have no size of their own
+
 
 @dataclass(frozen=True)
 class CosimRun:
     """Results of one run.
 
     Attributes:
-        recording, config, top: input, configuration and hardware module of the run.
+        recording, config: input and configuration of the run.
         hardware, model, software: one TrackLog per engine.
         agreement: hardware against software, by outcome.
         cycles: clocks of the hardware, without reset and register writes.
@@ -62,11 +64,11 @@ class CosimRun:
         software_s: duration of the software tracker.
         build: the simulated model.
         seed: seed of the stall patterns, or None.
+        source: where the recording was read from; None for one that was made in memory.
     """
 
     recording: Recording
     config: RunConfig
-    top: Top
     hardware: TrackLog
     model: TrackLog
     software: TrackLog
@@ -77,18 +79,20 @@ class CosimRun:
     software_s: float
     build: BuiltModel
     seed: int | None
+    source: Source | None = None
 
     def __repr__(self) -> str:
         events, tracks = len(self.recording.events), len(self.hardware.of_kind(Kind.BORN))
-        return f"<CosimRun {self.recording.name}: {self.top}, {events:,} events, {tracks} hardware tracks, exact>"
+        module = self.config.hardware.module
+        return f"<CosimRun {self.recording.name}: {module}, {events:,} events, {tracks} hardware tracks, exact>"
 
 
-def check_addresses(recording: Recording, config: CotConfig) -> None:
+def check_addresses(recording: Recording, config: HardwareConfig) -> None:
     """Raise ConfigError when the hardware's addresses are too narrow for the recording's sensor."""
     check_addresses_of((recording.width, recording.height), config, recording.name)
 
 
-def check_addresses_of(sensor: Sensor, config: CotConfig, name: str) -> None:
+def check_addresses_of(sensor: Sensor, config: HardwareConfig, name: str) -> None:
     """As `check_addresses`, for a sensor (width, height); `name` is what it belongs to."""
     for field, bits, size in (("x_w", config.shape.x_w, sensor[0]), ("y_w", config.shape.y_w, sensor[1])):
         if size > 1 << bits:
@@ -98,10 +102,10 @@ def check_addresses_of(sensor: Sensor, config: CotConfig, name: str) -> None:
 def run_cosim(
     recording: Recording,
     config: RunConfig,
-    top: Top = DEFAULT_TOP,
     *,
     stall_seed: int | None = None,
     waves: bool = False,
+    source: Source | None = None,
     building: Callable[[], None] | None = None,
     progress: Callable[[int, int, float], None] | None = None,
 ) -> CosimRun:
@@ -110,9 +114,9 @@ def run_cosim(
     Args:
         recording: at least one event.
         config: both trackers' configurations.
-        top: the hardware module.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
         waves: whether the model for a waveform of all signals is built at the same time, for one that is written afterwards.
+        source: where the recording was read from.
         building: called before a build that takes seconds.
         progress: called after each run of events with (events done, time of the last event in us, events/s).
 
@@ -123,23 +127,23 @@ def run_cosim(
     events = recording.events
     if not len(events):
         raise RecordingError(f"{recording.name}: holds no events")
-    check_addresses(recording, config.cot)
+    check_addresses(recording, config.hardware)
     try:
-        check_silence(events.t_us, config.cot)
+        check_silence(events.t_us, config.hardware)
     except RecordingError as error:
         raise RecordingError(f"{recording.name}: {error}") from error
-    cot = config.hardware(recording.width, recording.height)
+    cot = config.device_config(recording.width, recording.height)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
     sensor = recording.width, recording.height
     hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
     with ThreadPoolExecutor(2, "build") as builds:
-        built = builds.submit(build_device, cot, top, waves=False, on_miss=building)
+        built = builds.submit(build_device, cot, waves=False, on_miss=building)
         if waves:
-            builds.submit(build_device, cot, top)  # an error comes again when the waveform is written
+            builds.submit(build_device, cot)  # an error comes again when the waveform is written
         compile_kernels(events[:1], sensor, config)
         build = built.result()
-    with Lockstep(cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
+    with Lockstep(cot, stalls=stalls, seed=stall_seed, model=build) as lockstep:
         for chunk in chunks(events):
             first = lockstep.events
             step = lockstep.feed(chunk)
@@ -150,7 +154,7 @@ def run_cosim(
                 progress(lockstep.events, int(chunk.t_us[-1]) - t0_us, lockstep.events / lockstep.wall_s)
         cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
 
-    hardware_log = hardware.log("cot-rtl")
+    hardware_log = hardware.log()
     started = time.perf_counter()
     software = log_of(config.software, software_of(sensor, config), [events])
     software_s = time.perf_counter() - started
@@ -159,9 +163,8 @@ def run_cosim(
     return CosimRun(
         recording=recording,
         config=config,
-        top=top,
         hardware=hardware_log,
-        model=model.log("cot-model"),
+        model=model.log(),
         software=software,
         agreement=agreement,
         cycles=cycles,
@@ -170,6 +173,7 @@ def run_cosim(
         software_s=software_s,
         build=build,
         seed=stall_seed,
+        source=source,
     )
 
 
@@ -178,10 +182,10 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
 
     If the hardware violated its stream protocol in that chunk, its log has no records of it, and -1 for the owners.
     """
-    cot, t0_us = config.hardware(recording.width, recording.height), int(recording.events.t_us[0])
+    cot, t0_us = config.device_config(recording.width, recording.height), int(recording.events.t_us[0])
     clock = TickCounter(cot.tick_us)
-    device = Device(cot, found.top, stalls=stalls_from(found.seed))
-    golden = CotModel(cot, device.arrangement)
+    device = Device(cot, stalls=stalls_from(found.seed))
+    golden = golden_model(cot)
     hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
     first = 0
     for chunk in chunks(recording.events):
@@ -197,7 +201,7 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
         first += len(chunk)
         if first > found.event_index:
             break
-    return hardware.log("cot-rtl"), model.log("cot-model")
+    return hardware.log(), model.log()
 
 
 def stalls_from(seed: int | None) -> Stalls:
@@ -207,7 +211,7 @@ def stalls_from(seed: int | None) -> Stalls:
 
 def compile_model(first: Events, sensor: Sensor, config: RunConfig) -> None:
     """Make Numba compile the golden model (at first use, once per machine): the same code for every shape and all registers."""
-    CotModel(config.hardware(*sensor)).feed(TickedEvents.of(first))
+    golden_model(config.device_config(*sensor)).feed(TickedEvents.of(first))
 
 
 def compile_kernels(first: Events, sensor: Sensor, config: RunConfig) -> None:
@@ -222,21 +226,23 @@ def software_of(sensor: Sensor, config: RunConfig) -> Tracker:
     filters = config.in_front_of_software
     if not filters.enabled:
         return tracker
-    return FilteredTracker(filtered((), filters, sensor, config.cot.tick_us).keep, tracker)
+    return FilteredTracker(filtered((), filters, sensor, config.hardware.tick_us).keep, tracker)
 
 
 def near_px(config: RunConfig) -> float:
     """How near each other tracks of one object are: a window's reach."""
     if config.software == "rct":
         return config.rct.radius_px
-    slot = config.cot.slots[0]
+    if isinstance(config.hardware, MotionConfig):
+        return _NEAR_PX
+    slot = config.hardware.slots[0]
     return float(slot.init_radix + slot.radix_th)
 
 
 class _LogParts:
     """One engine's decisions, collected chunk by chunk."""
 
-    def __init__(self, config: CotConfig, t0_us: int) -> None:
+    def __init__(self, config: CotConfig | MotionConfig, t0_us: int) -> None:
         self._config = config
         self._t0_us = t0_us
         self._records: list[NDArray[np.void]] = []
@@ -246,5 +252,5 @@ class _LogParts:
         self._records.append(to_track_records(raw, self._config, t_us, first_seq, self._t0_us))
         self._owners.append(owner)
 
-    def log(self, engine: str) -> TrackLog:
-        return TrackLog(engine, np.concatenate([np.empty(0, TRACK), *self._records]), np.concatenate(self._owners))
+    def log(self) -> TrackLog:
+        return TrackLog(self._config.module, np.concatenate([np.empty(0, TRACK), *self._records]), np.concatenate(self._owners))

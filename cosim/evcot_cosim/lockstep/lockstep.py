@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.events import Events
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import RECORD
-from evcot.hardware.cot import CotModel, Decisions
+from evcot.hardware.golden import golden_model
+from evcot.hardware.model import Decisions
 from evcot.ticks import TickCounter
 from evcot.tracks.log import Kind
 
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, DeviceState, StreamTimes
 from ..devices.silence import check_silence
-from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 
@@ -57,7 +57,6 @@ class Lockstep:
 
     Args:
         config: configuration of both.
-        top: the hardware module.
         stalls: stall patterns; decisions must not depend on them.
         seed: seed of the patterns, for the mismatch record.
         check: False runs the hardware alone.
@@ -72,8 +71,7 @@ class Lockstep:
 
     def __init__(
         self,
-        config: CotConfig,
-        top: Top = DEFAULT_TOP,
+        config: CotConfig | MotionConfig,
         *,
         stalls: Stalls | None = None,
         seed: int | None = None,
@@ -81,7 +79,7 @@ class Lockstep:
         model: BuiltModel | None = None,
         verilog: Path | None = None,
     ) -> None:
-        self.device = Device(config, top, stalls=stalls, model=model, verilog=verilog)
+        self.device = Device(config, stalls=stalls, model=model, verilog=verilog)
         self.config = config
         self.seed = seed
         self.events = 0
@@ -90,7 +88,7 @@ class Lockstep:
         self.latency = np.zeros(LATENCY_MAX + 1, np.int64)
         self._clock = TickCounter(config.tick_us)
         self._last_us: int | None = None
-        self._golden = CotModel(config, self.device.arrangement) if check else None
+        self._golden = golden_model(config) if check else None
         self._second = ThreadPoolExecutor(1) if check else None
 
     def feed(self, events: Events) -> Step:
@@ -155,7 +153,7 @@ class Lockstep:
         self.latency += np.bincount(clocks, minlength=LATENCY_MAX + 1)
 
     def _mismatch(self, index: int, tick: int, field: str, hardware: Any, model: Any) -> Mismatch:
-        return Mismatch(index, tick, field, hardware, model, self.seed, self.device.top, self.config)
+        return Mismatch(index, tick, field, hardware, model, self.seed, self.config)
 
     def _compare(self, hardware: Decisions, model: Decisions, ticks: NDArray[np.int64]) -> None:
         found: list[tuple[int, str, int | str | None, int | str | None]] = []
@@ -193,12 +191,11 @@ def _record_difference(
 
 def dump_window(
     events: Events,
-    config: CotConfig,
+    config: CotConfig | MotionConfig,
     path: Path,
     first_event: int,
     last_event: int,
     *,
-    top: Top = DEFAULT_TOP,
     stalls: Stalls | None = None,
     verilog: Path | None = None,
     progress: Callable[[int], None] | None = None,
@@ -218,7 +215,7 @@ def dump_window(
         OutputError: the file exists, or cannot be written.
         ToolchainError: a tool is missing or too old, or the build fails.
     """
-    device = Device(config, top, stalls=stalls, verilog=verilog)
+    device = Device(config, stalls=stalls, verilog=verilog)
     parts = []
     with device.dumping(path, first_event, last_event, force=force):
         for chunk in chunks(events):

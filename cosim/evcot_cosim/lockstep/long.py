@@ -21,7 +21,8 @@ from evcot.compiling import compiled_aside
 from evcot.digest import EventsDigest
 from evcot.errors import RecordingError
 from evcot.events import Events
-from evcot.hardware.cot import Decisions, to_track_records
+from evcot.hardware.golden import to_track_records
+from evcot.hardware.model import Decisions
 from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig
 from evcot.tracks.spool import LogSpool
@@ -31,7 +32,6 @@ from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished
 
 from ..devices.device import build_device
 from ..memory import keep_little
-from ..names import Top
 from ..rtl.build import BuiltModel
 from .cosim import check_addresses_of, compile_kernels, software_of, stalls_from
 from .lockstep import CHUNK, Lockstep
@@ -54,7 +54,6 @@ class LongRun:
     name: str
     sensor: Sensor
     config: RunConfig
-    top: Top
     hardware: LogSpool
     software: LogSpool
     hardware_tally: Tally
@@ -78,7 +77,6 @@ class LongRun:
 def run_long(
     source: Source,
     config: RunConfig,
-    top: Top,
     work: Unfinished,
     *,
     stall_seed: int | None = None,
@@ -102,9 +100,9 @@ def run_long(
     keep_little()
     with source.opened() as file:
         sensor, name = file.sensor, file.name
-        check_addresses_of(sensor, config.cot, name)
-        cot = config.hardware(*sensor)
-        build = build_device(cot, top, waves=False, savable=True, on_miss=building)
+        check_addresses_of(sensor, config.hardware, name)
+        cot = config.device_config(*sensor)
+        build = build_device(cot, waves=False, savable=True, on_miss=building)
         state: dict[str, Any] = work.state or {}
         tallies = state.get("tallies") or (Tally(), Tally())
         logs = [LogSpool(work.folder, side, state.get(side, (0, 0))) for side in ("hardware", "software")]
@@ -125,7 +123,7 @@ def run_long(
             software_s += time.perf_counter() - started
 
         with (
-            Lockstep(cot, top, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep,
+            Lockstep(cot, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep,
             _Beside() as beside,
         ):
             if at:
@@ -159,14 +157,13 @@ def run_long(
             beside.wait()
             _keep(logs[1], tallies[1], software.finish(), np.empty(0, np.int16))
             cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
-    for log, engine in zip(logs, ("cot-rtl", config.software), strict=True):
+    for log, engine in zip(logs, (cot.module, config.software), strict=True):
         log.engine, log.recording = engine, made_of.hex()
     assert begin_us is not None
     return LongRun(
         name=name,
         sensor=sensor,
         config=config,
-        top=top,
         hardware=logs[0],
         software=logs[1],
         hardware_tally=tallies[0],

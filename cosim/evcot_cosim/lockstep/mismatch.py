@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from evcot.errors import EvcotError
 
-from ..names import Top
-
 if TYPE_CHECKING:
-    from evcot.hardware.config import CotConfig
+    from evcot.hardware.config import CotConfig, MotionConfig
 
 __all__ = ["Mismatch", "MismatchError"]
 
@@ -27,8 +25,7 @@ class Mismatch:
             hardware lost, repeated, reordered or changed an event).
         hardware, model: both values.
         seed: seed of the stall patterns, or None.
-        top: name of the hardware module.
-        config: the run's tracker configuration.
+        config: the run's hardware configuration.
     """
 
     event_index: int
@@ -37,12 +34,11 @@ class Mismatch:
     hardware: int | str | None
     model: int | str | None
     seed: int | None
-    top: Top
-    config: CotConfig
+    config: CotConfig | MotionConfig
 
     def __str__(self) -> str:
         return (
-            f"{self.top}: event {self.event_index}, tick {self.tick}: {self.field}: "
+            f"{self.config.module}: event {self.event_index}, tick {self.tick}: {self.field}: "
             f"hardware has {self.hardware}, model has {self.model}"
         )
 

@@ -11,12 +11,11 @@ import numpy as np
 
 from evcot.errors import ConfigError
 from evcot.events import Recording
-from evcot.hardware.config import CotConfig
-from evcot.hardware.cot import track
+from evcot.hardware.config import CotConfig, MotionConfig
+from evcot.hardware.golden import track
 from evcot.tracks.log import Kind
 
-from ..devices.device import arrangement_of
-from ..names import MOMENTS, Top
+from ..names import MOMENTS
 from .summary import SUMMARY, read_summary
 
 __all__ = ["Moment", "find_moment"]
@@ -41,11 +40,11 @@ class Moment:
     track_id: int = -1
 
 
-def find_moment(text: str, recording: Recording, config: CotConfig, top: Top, folder: Path | None = None) -> Moment:
+def find_moment(text: str, recording: Recording, config: CotConfig | MotionConfig, folder: Path | None = None) -> Moment:
     """The moment named by a text, in the syntax of `MOMENTS`. Records are the golden model's, which equal the hardware's.
 
     Args:
-        config, top: configuration and module of the hardware.
+        config: of the hardware.
         folder: folder of the run; needed only for a mismatch.
 
     Raises:
@@ -54,7 +53,7 @@ def find_moment(text: str, recording: Recording, config: CotConfig, top: Top, fo
     what, colon, number = text.partition(":")
     events = recording.events
     if what in _KINDS:
-        records = track(recording, config, arrangement_of(top)).of_kind(_KINDS[what])
+        records = track(recording, config).of_kind(_KINDS[what])
         n = _whole(text, number if colon else "1")
         if not 1 <= n <= len(records):
             rule = f"must be from 1 to {len(records)}" if len(records) else f"there is no {what} in this run"

@@ -8,17 +8,16 @@ noise, equal ticks and long gaps.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from evcot.events import Events
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.hardware.modules import Module
 from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.ticks import TickedEvents
 
-from ..names import Top
 from ..rtl.build import BuiltModel
 from .cosim import stalls_from
 from .lockstep import Lockstep, chunks
@@ -29,9 +28,9 @@ RATES = (0.3, 2.0, 10.0)
 """Ticks from one event to the next within a burst."""
 
 
-def random_config(rng: np.random.Generator, shape: Shape) -> CotConfig:
+def random_config(rng: np.random.Generator, shape: Shape, module: Module = "cot_array") -> CotConfig:
     """Random register values over their whole legal ranges, drawn separately for each slot."""
-    return CotConfig(shape, tuple(_random_slot(rng, shape) for _ in range(shape.n_slots)))
+    return CotConfig(shape, tuple(_random_slot(rng, shape) for _ in range(shape.n_slots)), module=module)
 
 
 def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
@@ -45,28 +44,26 @@ def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
 
 
 _LIVELY = MotionRegisters(
-    enable=1, step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
+    step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
     birth_ticks=100, birth_travel=5, nev_low=4, nev_high=40, side_max=40, seed_px=3, gap_corrections=4, join_steps=3,
     report_steps=2, ring_max=10,
 )  # fmt: skip
 
 
-def random_motion(rng: np.random.Generator, shape: Shape) -> CotConfig:
-    """Random registers of an array with motion: any share of them over their whole legal ranges, the others such that objects
+def random_motion(rng: np.random.Generator, shape: Shape) -> MotionConfig:
+    """Random registers of cot_motion: any share of them over their whole legal ranges, the others such that objects
     become visible, meet and end within thousands of events. A few slots are off."""
     share = rng.choice([0.02, 0.05, 0.1, 0.2, 1.0], p=[0.3, 0.3, 0.2, 0.1, 0.1])
     values = {}
     for name, (low, high, _) in MOTION_RANGES.items():
         values[name] = _draw(rng, int(low), int(high)) if rng.random() < share else getattr(_LIVELY, name)
-    values["enable"] = 1
     values["step_log2"] = min(values["step_log2"], 12)  # or there is none
     values["seed_px"] = min(values["seed_px"], max(1, values["side_max"] // 2))
     values["side_max"] = max(values["side_max"], 2)
     for names in (("nev_low", "nev_high"), ("ring_px", "ring_max"), ("life_ticks", "coast_ticks")):
         values.update(zip(names, sorted(values[name] for name in names), strict=True))
     modes = rng.choice([Mode.OFF, Mode.SEEDED], shape.n_slots, p=[0.1, 0.9])
-    slots = tuple(replace(_random_slot(rng, shape), mode=int(mode)) for mode in modes)
-    return CotConfig(shape, slots, motion=MotionRegisters(**values))
+    return MotionConfig(shape, MotionRegisters(**values), modes=tuple(modes.tolist()))
 
 
 def _draw(rng: np.random.Generator, low: int, high: int) -> int:
@@ -114,7 +111,7 @@ def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_eve
 
 def random_outlines(rng: np.random.Generator, shape: Shape, n: int, ticks_per_event: float) -> TickedEvents:
     """Outlines of boxes of every size and speed that bounce off the borders and run through each other, with noise, pauses and
-    a hot pixel: what becomes visible, meets and hides in an array with motion.
+    a hot pixel: what becomes visible, meets and hides in cot_motion.
 
     Args:
         rng, shape, n, ticks_per_event: as for `random_traffic`.
@@ -143,7 +140,7 @@ def random_outlines(rng: np.random.Generator, shape: Shape, n: int, ticks_per_ev
     return TickedEvents(ticks.astype(np.int64), x, y, rng.integers(0, 2, n, np.uint8))
 
 
-def random_run(shape: Shape, top: Top, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
+def random_run(shape: Shape, module: Module, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
     """Run hardware and model in lock-step on registers, traffic and stalls that a seed determines; three runs in four stall.
 
     Args:
@@ -153,12 +150,12 @@ def random_run(shape: Shape, top: Top, seed: int, events: int, model: BuiltModel
         MismatchError: they differ.
     """
     rng = np.random.default_rng(seed)
-    config = random_config(rng, shape)
-    return _run(rng, config, random_traffic(rng, shape, events, float(rng.choice(RATES))), top, seed, model)
+    config = random_config(rng, shape, module)
+    return _run(rng, config, random_traffic(rng, shape, events, float(rng.choice(RATES))), seed, model)
 
 
 def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
-    """The same for an array with motion, on outlines three times in four.
+    """The same for cot_motion, on outlines three times in four.
 
     Raises:
         MismatchError: they differ.
@@ -166,15 +163,15 @@ def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | 
     rng = np.random.default_rng(seed)
     config = random_motion(rng, shape)
     traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
-    return _run(rng, config, traffic, "cot_array", seed, model)
+    return _run(rng, config, traffic, seed, model)
 
 
 def _run(
-    rng: np.random.Generator, config: CotConfig, traffic: TickedEvents, top: Top, seed: int, model: BuiltModel | None
+    rng: np.random.Generator, config: CotConfig | MotionConfig, traffic: TickedEvents, seed: int, model: BuiltModel | None
 ) -> Lockstep:
     stream = Events(traffic.ticks, traffic.x, traffic.y, traffic.p)
     stalls = stalls_from(seed if rng.random() < 0.75 else None)
-    with Lockstep(config, top, stalls=stalls, seed=seed, model=model) as lockstep:
+    with Lockstep(config, stalls=stalls, seed=seed, model=model) as lockstep:
         for chunk in chunks(stream):
             lockstep.feed(chunk)
     return lockstep

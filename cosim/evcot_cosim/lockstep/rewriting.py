@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An array with motion in `evcot_top`, whose registers are rewritten while events flow, beside the golden model.
+"""cot_motion in `evcot_top`, whose registers are rewritten while events flow, beside the golden model.
 
 The hardware says at which event each commit took effect; the model is changed at that event.
 """
@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Mode, Shape
-from evcot.hardware.cot import CotModel, Decisions
+from evcot.hardware.model import Decisions
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RULES, MotionRegisters
+from evcot.hardware.motion.model import MotionModel
 from evcot.hardware.streams import pack_events
 from evcot.ticks import TickedEvents
 
@@ -46,11 +47,13 @@ class Rewritten(NamedTuple):
     ended: int
 
 
-def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: np.random.Generator, changes: int) -> Rewritten:
+def rewritten(
+    device: TopDevice, config: MotionConfig, traffic: TickedEvents, rng: np.random.Generator, changes: int
+) -> Rewritten:
     """Run both from reset on traffic, with so many changes of random registers at random events.
 
     Args:
-        device: of the configuration's shape, with motion and without filters.
+        device: of the configuration's shape, without filters.
         traffic: more than `ALONE` events.
         changes: of two banks of motion, and of slots, as likely.
 
@@ -58,7 +61,7 @@ def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: 
         HardwareError: the hardware refused a change, made no progress, or violated a protocol.
     """
     traffic = replace(traffic, ticks=traffic.ticks - traffic.ticks[0])  # those of the hardware: 0 at the first event
-    n, motion = len(traffic), config.motion
+    n, motion = len(traffic), config.registers
     made: list[_Change] = []
     commands: list[Command] = []
     asks: list[int] = []
@@ -71,21 +74,21 @@ def rewritten(device: TopDevice, config: CotConfig, traffic: TickedEvents, rng: 
     commands.append(poll_status("idle", 1, n))  # all is through, however long motion steps take
     device.reset()
     device.configure(config)
-    steps = min(registers.step_log2 for registers in (config.motion, *(one.motion for one in made if one.motion)))
+    steps = min(registers.step_log2 for registers in (config.registers, *(one.motion for one in made if one.motion)))
     longest = step_clocks(config.shape.n_slots, int(np.diff(traffic.ticks).max()), steps)
     played = device.run(pack_events(traffic.ticks, traffic.x, traffic.y, traffic.p), commands, step_clocks=longest)
     if played.commands["response"].any():
         refused = int(np.flatnonzero(played.commands["response"])[0])
         raise HardwareError(f"evcot_top refused access {refused}, {commands[refused]}", int(commands[refused][0]))
     at = played.commands["result"][asks].astype(np.int64)
-    model, begin, ended, parts = CotModel(config), 0, 0, []
+    model, begin, ended, parts = MotionModel(config), 0, 0, []
     for change, seq in zip(made, at.tolist(), strict=True):
         parts.append(model.feed(traffic[begin:seq]))
         begin = seq
         if change.motion is not None:
-            model.write_motion(change.motion)
+            model.write_registers(change.motion)
         else:
-            lost = model.write_registers(change.slot, replace(config.slots[change.slot], mode=change.mode), restart=True)
+            lost = model.write_mode(change.slot, change.mode)
             parts.append(Decisions(lost, np.empty(0, np.int16), np.empty(0, np.uint16), np.empty(0, np.uint16)))
             ended += len(lost)
     parts.append(model.feed(traffic[begin:]))
@@ -107,7 +110,7 @@ def _change(rng: np.random.Generator, shape: Shape, motion: MotionRegisters, aft
 
 def _drawn(rng: np.random.Generator, shape: Shape, now: MotionRegisters, bank: str) -> MotionRegisters:
     """Other registers of one bank: a few of them, which do not contradict each other."""
-    other = random_motion(rng, shape).motion
+    other = random_motion(rng, shape).registers
     names = {str(name) for name in rng.choice(list(MOTION_BANKS[bank]), 6, replace=False)}
     for rule in MOTION_RULES:  # those of a rule together
         names |= {rule.less, rule.more} if rule.less in names or rule.more in names else set()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """run.toml: everything that determines a run of the hardware, so that it can be repeated bit for bit.
 
-Its table `[run]` names the events and the module; the other tables are a complete configuration (see
+Its table `[run]` names the events; the rest is a complete configuration (see
 `evcot.trackers.config.load_toml`).
 """
 
@@ -11,13 +11,15 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import tomli_w
 
 from evcot.digest import digest
 from evcot.errors import ConfigError, RecordingError, meant
 from evcot.events import Events, Recording
+from evcot.hardware.config import MotionConfig
+from evcot.hardware.contract import Mode
 from evcot.metrics.beside import truth_beside
 from evcot.outputs import RUN_FILE, written_aside
 from evcot.recordings.files import Damage, RecordingFile, open_recording
@@ -25,8 +27,6 @@ from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
 from evcot.toml_file import read_toml
 from evcot.trackers.config import RunConfig, load_toml
-
-from ..names import DEFAULT_TOP, Top
 
 __all__ = ["HEAD_EVENTS", "RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
 
@@ -148,7 +148,6 @@ class RunFile:
 
     Attributes:
         source: source of the events.
-        hardware: name of the module.
         stalls: seed of the stall patterns; None never stalls.
         digest: digest of the events, see `evcot.digest`; empty if not computed.
         config: both trackers' configurations.
@@ -156,7 +155,6 @@ class RunFile:
     """
 
     source: Source
-    hardware: Top
     stalls: int | None
     digest: str
     config: RunConfig
@@ -178,8 +176,9 @@ def run_toml(run: RunFile) -> str:
     tables = config_tables(run.config)
     tables = {
         "name": tables.pop("name"),
+        "hardware": tables.pop("hardware"),
         "software": tables.pop("software"),
-        "run": {kind: name, **source, "hardware": run.hardware, **stalls, "digest": run.digest},
+        "run": {kind: name, **source, **stalls, "digest": run.digest},
         **tables,
     }
     return _HEAD + (f"# {run.said}\n" if run.said else "") + tomli_w.dumps(tables)
@@ -188,18 +187,21 @@ def run_toml(run: RunFile) -> str:
 def config_tables(config: RunConfig) -> dict[str, Any]:
     """The complete configuration as the tables of a file for `--config`."""
     values = _without_none(config.to_dict())
-    cot = values.pop("cot")
-    slots = cot["slots"]
-    same = all(slot == slots[0] for slot in slots)
-    return {
+    hardware = values.pop("hardware")
+    tick_us = {"tick_us": hardware["tick_us"]}
+    tables = {
         "name": values.pop("name"),
+        "hardware": hardware["module"],
         "software": values.pop("software"),
-        "shape": cot["shape"],
-        "cot": {"tick_us": cot["tick_us"], **(slots[0] if same else {})},
-        **({} if same else {"slot": slots}),
-        **({"motion": cot["motion"]} if "motion" in cot else {}),
-        **values,
+        "shape": hardware["shape"],
     }
+    if isinstance(config.hardware, MotionConfig):
+        modes = {} if set(hardware["modes"]) == {Mode.SEEDED} else {"modes": hardware["modes"]}
+        return {**tables, "motion": {**tick_us, **modes, **hardware["registers"]}, **values}
+    slots = hardware["slots"]
+    if all(slot == slots[0] for slot in slots):
+        return {**tables, "cot": {**tick_us, **slots[0]}, **values}
+    return {**tables, "cot": tick_us, "slot": slots, **values}
 
 
 def write_run_file(path: Path, run: RunFile) -> None:
@@ -226,11 +228,13 @@ def read_run_file(path: Path) -> RunFile | None:
     if run is None:
         return None
     of_source = {field.name: field.type for field in fields(Source) if field.name != "is_scene"}
-    wanted = of_source | {"scene": "str", "hardware": "str", "stalls": "int", "digest": "str"}
+    wanted = of_source | {"scene": "str", "stalls": "int", "digest": "str"}
     if not isinstance(run, dict):
         raise ConfigError(f"{path}: [run] must be a table, not {run!r}")
     for key, value in run.items():
         kind = wanted.get(key)
+        if key == "hardware":
+            raise ConfigError(f"{path}: [run]: hardware: must stand at the top of the file, before all tables")
         if kind is None:
             raise ConfigError(f"{path}: [run]: unknown field {key!r}: must be one of {', '.join(sorted(wanted))}")
         if type(value).__name__ != str(kind).removesuffix(" | None") or (type(value) is int and value < 0):
@@ -241,11 +245,8 @@ def read_run_file(path: Path) -> RunFile | None:
     if scene is not None and scene not in SCENES:
         raise ConfigError(f"{path}: run.scene = {scene!r}: must be one of {', '.join(SCENES)}")
     name = scene or str(path.absolute().parent / run.pop("recording"))
-    hardware = run.pop("hardware", DEFAULT_TOP)
-    if hardware not in get_args(Top):
-        raise ConfigError(f"{path}: run.hardware = {hardware!r}: must be one of {', '.join(get_args(Top))}")
     stalls, known = run.pop("stalls", None), run.pop("digest", "")
-    return RunFile(Source(name, is_scene=scene is not None, **run), hardware, stalls, known, config)
+    return RunFile(Source(name, is_scene=scene is not None, **run), stalls, known, config)
 
 
 _MEANING = {"str": "text", "int": "a whole number, not negative", "bool": "true or false"}

@@ -51,7 +51,7 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
     """All figures of a run as plain values; undefined ones are None."""
     recording, events = run.recording, len(run.recording.events)
     recording_s = recording.duration_us / 1e6
-    logs = (run.hardware, run.model, run.software)
+    logs = {"hardware": run.hardware, "model": run.model, "software": run.software}
     end_us = int(recording.events.t_us[-1])
     summary = {
         "name": recording.name,
@@ -68,14 +68,14 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
         "latency_clocks": _latency(run.latency),
         "filters": [which.name.lower() for which in run.config.filters.filters],
         "filtered_fraction": float((run.hardware.owner == DROPPED).mean()),
-        "owned_fraction": {log.engine: float((log.owner >= 0).mean()) for log in logs},
-        "slots": run.config.cot.shape.n_slots,
-        "births": {log.engine: len(log.of_kind(Kind.BORN)) for log in logs},
-        "merges": {log.engine: len(log.of_kind(Kind.MERGED)) for log in logs},
-        "lifetimes": {log.engine: life_lengths(lifetimes(log, end_us)) for log in logs},
+        "owned_fraction": {name: float((log.owner >= 0).mean()) for name, log in logs.items()},
+        "slots": run.config.hardware.shape.n_slots,
+        "births": {name: len(log.of_kind(Kind.BORN)) for name, log in logs.items()},
+        "merges": {name: len(log.of_kind(Kind.MERGED)) for name, log in logs.items()},
+        "lifetimes": {name: life_lengths(lifetimes(log, end_us)) for name, log in logs.items()},
         "agreement": run.agreement.to_dict(),
         "sensor": {"width": recording.width, "height": recording.height},
-        "hardware": run.top,
+        "hardware": run.config.hardware.module,
         "seed": run.seed,
         "config": run.config.to_dict(),
         "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
@@ -91,7 +91,7 @@ def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Q
     Args:
         comparison, figures: hardware against software, and the quality of both, of all parts.
     """
-    tallies = {"cot-rtl": run.hardware_tally, run.config.software: run.software_tally}
+    tallies = {"hardware": run.hardware_tally, "software": run.software_tally}
     recording_s = (run.end_us - run.begin_us) / 1e6
     summary = {
         "name": run.name,
@@ -109,13 +109,13 @@ def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Q
         "filters": [which.name.lower() for which in run.config.filters.filters],
         "filtered_fraction": run.hardware_tally.filtered / run.events,
         "owned_fraction": {name: tally.owned / run.events for name, tally in tallies.items()},
-        "slots": run.config.cot.shape.n_slots,
+        "slots": run.config.hardware.shape.n_slots,
         "births": {name: tally.kinds[Kind.BORN] for name, tally in tallies.items()},
         "merges": {name: tally.kinds[Kind.MERGED] for name, tally in tallies.items()},
         "lifetimes": {name: life_lengths(own) for name, own in zip(tallies, comparison.lives, strict=True)},
         "agreement": comparison.agreement().to_dict(),
         "sensor": {"width": run.sensor[0], "height": run.sensor[1]},
-        "hardware": run.top,
+        "hardware": run.config.hardware.module,
         "seed": run.seed,
         "config": run.config.to_dict(),
         "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
@@ -209,7 +209,6 @@ def _count(agreement: dict[str, Any]) -> None:
 def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
     """The short table printed after a run, as (label, value)."""
     agreement = summary["agreement"]
-    hardware, software = "cot-rtl", summary["config"]["software"]
     filters = [("filtered out", f"{_percent(summary['filtered_fraction'])} of the events, by {', '.join(summary['filters'])}")]
     records = f"{summary['records']:,} records and" if summary["records"] else "no record, and"
     exact = f"exact: {records} every event's owner" if summary["exact"] else "NO"
@@ -221,8 +220,8 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("lock-step rate", f"{summary['events_per_s'] / 1e6:.2f} M events/s, {summary['realtime_factor']:.3g} x real time"),
         ("software rate", f"{summary['software_events_per_s'] / 1e6:.1f} M events/s"),
         ("", "hardware | software"),
-        ("births", f"{summary['births'][hardware]} | {summary['births'][software]}"),
-        ("merges", f"{summary['merges'][hardware]} | {summary['merges'][software]}, {agreement['merges_paired']} the same"),
+        ("births", f"{summary['births']['hardware']} | {summary['births']['software']}"),
+        ("merges", f"{summary['merges']['hardware']} | {summary['merges']['software']}, {agreement['merges_paired']} the same"),
         (
             "lifetimes",
             f"{agreement['tracks_hardware']} | {agreement['tracks_software']}, {agreement['tracks_paired']} paired, "

@@ -246,9 +246,10 @@ def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
 
 def _easier_birth(side: str, summary: Mapping[str, Any]) -> str:
     """What to do about objects without a track."""
-    motion = summary.get("config", {}).get("cot", {}).get("motion", {})
-    if side in ("hardware", "model") and motion.get("enable"):
-        how = f"detect_ticks in [motion] of run.toml above {motion.get('detect_ticks')}, then `evcot cosim --config run.toml`"
+    hardware = _hardware(summary)
+    if side in ("hardware", "model") and hardware.get("module") == "cot_motion":
+        now = hardware["registers"]["detect_ticks"]
+        how = f"detect_ticks in [motion] of run.toml above {now}, then `evcot cosim --config run.toml`"
         return f"allow more time for the first events of a faint object ({how})"
     return _register(side, summary, "clust_nev", "require fewer events for a birth", "below")
 
@@ -257,12 +258,18 @@ def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: 
     """A register of the hardware to change, or the automatic choice where it was not used."""
     if side not in ("hardware", "model"):
         return "try other settings, or another engine"
-    config = summary.get("config", {})
-    if config.get("cot", {}).get("motion", {}).get("enable"):
+    hardware = _hardware(summary)
+    if hardware.get("module") == "cot_motion":
         return f"{what} ([motion] in run.toml: docs/motion.md)"
-    slots = config.get("cot", {}).get("slots")
+    slots = hardware.get("slots")
     set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what
-    return f"take the array with motion and boxes (`--preset auto`), or {set_it}"
+    return f"take cot_motion, whose boxes follow the objects (`--preset auto`), or {set_it}"
+
+
+def _hardware(summary: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The configuration of the hardware in a summary, as plain values; empty in one of software alone."""
+    found = summary.get("config", {}).get("hardware", {})
+    return found if isinstance(found, Mapping) else {}
 
 
 def _quieter(found: Quality) -> str:

@@ -7,19 +7,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from evcot.digest import digest
+from evcot.errors import OutputError
 from evcot.events import Recording
-from evcot.outputs import folder_written_aside
+from evcot.outputs import check_folder, folder_written_aside
+from evcot.recordings.files import write_recording
 from evcot.tracks.log import Kind
 
 from ..lockstep.cosim import CosimRun, rerun, stalls_from
 from ..lockstep.mismatch import MismatchError
 from ..lockstep.moments import Moment
-from ..lockstep.run_file import RUN_FILE, RunFile, write_run_file
+from ..lockstep.run_file import RUN_FILE, RunFile, Source, write_run_file
 from ..lockstep.summary import SUMMARY, summarise, summarise_mismatch, write_summary
 from ..waves.window import Window, wave_names, write_waves
 from . import REPORT, Material, Side, truth_of, write_report
 
-__all__ = ["run_names", "write_mismatch", "write_run"]
+__all__ = ["run_names", "save_run", "write_mismatch", "write_run"]
+
+_RECORDING = "recording.npz"  # in the folder of a run of a recording that was made in memory
 
 _WAVES_EVENTS = 400  # events before and after the moment that the default waveform shows
 _MISMATCH_EVENTS = 50  # the same, around a mismatch
@@ -28,7 +33,7 @@ _MISMATCH_EVENTS = 50  # the same, around a mismatch
 def run_names() -> list[str]:
     """Names of the files that `write_run` and `write_mismatch` may write."""
     logs = [f"{name}.{suffix}" for name in ("hardware", "model", "software") for suffix in ("npz", "csv", "parquet")]
-    return [RUN_FILE, SUMMARY, REPORT, "picture.png", *logs, *wave_names("waves"), *wave_names("mismatch")]
+    return [RUN_FILE, SUMMARY, REPORT, _RECORDING, "picture.png", *logs, *wave_names("waves"), *wave_names("mismatch")]
 
 
 def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, waves: bool = True) -> dict[str, Any]:
@@ -45,6 +50,8 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
     """
     summary = summarise(run, command) | ({"auto": made_of.said} if made_of.said else {})
     with folder_written_aside(folder, "cosim") as aside:
+        if run.source is None:
+            write_recording(run.recording, aside / _RECORDING)
         for name, log in (("hardware", run.hardware), ("model", run.model), ("software", run.software)):
             replace(log, recording=made_of.digest).save_npz(aside / f"{name}.npz")
             log.write_csv(aside / f"{name}.csv")
@@ -55,14 +62,24 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
             moment = _telling_moment(run)
             window = Window.around(moment.event_index, len(run.recording.events), _WAVES_EVENTS)
             write_waves(
-                run.recording.events, run.config.hardware(run.recording.width, run.recording.height), aside, window,
-                top=run.top, stalls=stalls_from(run.seed), name="waves", moment=moment,
+                run.recording.events, run.config.device_config(run.recording.width, run.recording.height), aside, window,
+                stalls=stalls_from(run.seed), name="waves", moment=moment,
             )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / SUMMARY)
         sides = (Side("hardware", run.hardware), Side("software", run.software))
         write_report(Material(run.recording, summary, sides, truth_of(made_of.source, run.recording)), aside / REPORT)
     return summary
+
+
+def save_run(run: CosimRun, folder: Path, *, waves: bool = True) -> dict[str, Any]:
+    """See `CosimRun.save`."""
+    check_folder(folder, "cosim", run_names())
+    if run.source is not None and Path(run.source.recording).resolve().is_relative_to(folder.resolve()):
+        raise OutputError(f"{folder}: holds {run.source.recording}, which the run has read: must be another folder")
+    source = run.source or Source(str(folder.absolute() / _RECORDING))
+    made_of = RunFile(source, run.seed, digest(run.recording.events), run.config)
+    return write_run(run, folder, made_of, command=f"evcot_cosim.cosim, {run.recording.name}", waves=waves)
 
 
 def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile, folder: Path, *, command: str) -> None:
@@ -76,8 +93,8 @@ def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile,
     with folder_written_aside(folder, "cosim") as aside:
         window = Window.around(found.event_index, len(recording.events), _MISMATCH_EVENTS)
         write_waves(
-            recording.events, config.hardware(recording.width, recording.height), aside, window,
-            top=found.top, stalls=stalls_from(found.seed), name="mismatch", moment=Moment(found.event_index, "mismatch"),
+            recording.events, config.device_config(recording.width, recording.height), aside, window,
+            stalls=stalls_from(found.seed), name="mismatch", moment=Moment(found.event_index, "mismatch"),
         )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
         summary = summarise_mismatch(found, recording, config, command)

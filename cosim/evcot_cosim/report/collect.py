@@ -102,10 +102,9 @@ def looks_of(names: list[str]) -> dict[str, str]:
 
 
 def _ring(side: Side, summary: Mapping[str, Any]) -> list[int] | None:
-    """Per slot, the difference of window and inner radius; only the hardware's algorithm without motion has an inner radius."""
-    if not side.is_hardware or "config" not in summary or summary["config"]["cot"].get("motion"):
-        return None
-    return [slot["radix_th"] for slot in summary["config"]["cot"]["slots"]]
+    """Per slot, the difference of window and inner radius; cot_motion has no inner radius."""
+    slots = summary.get("config", {}).get("hardware", {}).get("slots") if side.is_hardware else None
+    return [slot["radix_th"] for slot in slots] if slots else None
 
 
 def _events(material: Material, events_max: int) -> tuple[dict[str, Column], list[list[int]]]:

@@ -89,7 +89,7 @@ def _verdict(recording: Recording, run: Run) -> Verdict:
 
 def _agreement(recording: Recording, a: Run, b: Run) -> Agreement:
     t_us = recording.events.t_us
-    slots = [run.summary.get("config", {}).get("cot", {}).get("slots", [{}])[0] for run in (a, b)]
+    slots = [run.summary.get("config", {}).get("hardware", {}).get("slots", [{}])[0] for run in (a, b)]
     reach_px = max((slot["init_radix"] + slot["radix_th"] for slot in slots if slot), default=12)
     return compare(
         a.hardware, b.hardware, radius_px=float(reach_px), span_us=(int(t_us[0]), int(t_us[-1])) if len(t_us) else None

@@ -116,7 +116,7 @@ def _write_waves(run: LongRun, folder: Path, head: Recording) -> None:
                 moment = Moment(index, "birth 1", Kind.BORN, int(born["track_id"][0]))
                 window = Window.around(index, len(head.events), _WAVES_EVENTS)
                 write_waves(
-                    head.events, run.config.hardware(*run.sensor), folder, window,
-                    top=run.top, stalls=stalls_from(run.seed), name="waves", moment=moment,
+                    head.events, run.config.device_config(*run.sensor), folder, window,
+                    stalls=stalls_from(run.seed), name="waves", moment=moment,
                 )  # fmt: skip
             return

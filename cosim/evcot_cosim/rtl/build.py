@@ -174,7 +174,11 @@ def load(
     extra_flags: Sequence[str] = (),
     verilog: Path | None = None,
 ) -> PyVerilator:
-    """`build` the module if necessary and return a new simulation of it, all inputs zero."""
+    """`build` the module if necessary and return a new simulation of it, all inputs zero.
+
+    Raises:
+        ToolchainError: as `build`.
+    """
     return build(top, parameters, extra_cpp, extra_flags=extra_flags, verilog=verilog).load()
 
 

@@ -18,9 +18,10 @@ import numpy as np
 
 from evcot.errors import EvcotError, RecordingWarning
 from evcot.events import Events
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import Shape
-from evcot.hardware.cot import to_track_records
+from evcot.hardware.golden import to_track_records
+from evcot.hardware.modules import MODULES, Module
 from evcot.metrics import evaluate
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import TrackLog
@@ -30,15 +31,14 @@ from ..lockstep.cosim import stalls_from
 from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
 from ..lockstep.random_runs import random_config, random_motion, random_motion_run, random_run
-from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .checkpoints import CheckpointedLog
 from .configure import configuration
 from .cost import hardware_cost
-from .fields import MODEL, RTL
+from .fields import RTL
 from .inputs import Stream, opened, truth_of
 from .machine import code_fingerprint, versions
-from .task import FUZZ, MOTION, Task, canonical
+from .task import FUZZ, Task, canonical
 
 __all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
 
@@ -120,27 +120,27 @@ def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
 
     Memory is that of the records, unless `whole`: events and owners are kept, too, and there are no checkpoints.
     """
-    slots = 1 if task.hardware == "cot" else None
-    settings, filters = configuration(task.engine, stream.sensor, task.preset, task.tables, slots)
+    settings, filters = configuration(task.engine, stream.sensor, task.preset, task.tables, task.hardware)
     with CheckpointedLog(task.key, whole) as kept:
         if task.engine == RTL:
-            log, measured = _lockstep(task, settings.hardware(*stream.sensor), stream, kept)
+            log, measured = _lockstep(task, settings.device_config(*stream.sensor), stream, kept)
         else:
             tracker = kept.engine or ENGINES[task.engine].start(settings, filters, stream.sensor)
             for block in kept.rest(stream.blocks):
                 records, owner = tracker.feed(block)
                 kept.add(records, owner, block)
                 kept.keep(lambda: tracker)
-            log = kept.log("cot-model" if task.engine == MODEL else task.engine, tracker.finish())
-            measured = hardware_cost(DEFAULT_TOP, settings.cot.shape.n_slots) if task.engine == MODEL else {}
+            log = kept.log(task.engine, tracker.finish())
+            measured = hardware_cost(task.engine, settings.hardware.shape.n_slots) if task.engine in MODULES else {}
         return Tracked(log, kept.counts(log), {**measured, **kept.spent}, kept.events)
 
 
-def _lockstep(task: Task, config: CotConfig, stream: Stream, kept: CheckpointedLog) -> tuple[TrackLog, dict[str, Any]]:
-    top = cast(Top, task.hardware)
-    built = _built(config, top, savable=True)
+def _lockstep(
+    task: Task, config: CotConfig | MotionConfig, stream: Stream, kept: CheckpointedLog
+) -> tuple[TrackLog, dict[str, Any]]:
+    built = _built(config, savable=True)
     state, t0_us = kept.engine or (None, None)
-    with Lockstep(config, top, stalls=stalls_from(task.seed), seed=task.seed, model=built) as lockstep:
+    with Lockstep(config, stalls=stalls_from(task.seed), seed=task.seed, model=built) as lockstep:
         if state is not None:
             lockstep.restore(state)
         for block in kept.rest(stream.blocks):
@@ -150,7 +150,7 @@ def _lockstep(task: Task, config: CotConfig, stream: Stream, kept: CheckpointedL
             kept.add(to_track_records(decided.records, config, block.t_us, first, t0_us), decided.owner, block)
             kept.keep(partial(_state, lockstep, t0_us))
         measured = {**_hardware(lockstep), "build_s": 0.0 if built.cached else built.build_s}
-    return kept.log("cot-rtl"), measured | hardware_cost(top, config.shape.n_slots)
+    return kept.log(config.module), measured | hardware_cost(config.module, config.shape.n_slots)
 
 
 def _state(lockstep: Lockstep, t0_us: int) -> tuple[dict[str, Any], int]:
@@ -161,13 +161,13 @@ def _fuzzed(task: Task) -> dict[str, Any]:
     shape = Shape(**task.tables["shape"])
     assert task.seed is not None
     rng = np.random.default_rng(task.seed)
-    if task.hardware == MOTION:
-        built = _built(random_motion(rng, shape), "cot_array")
+    if task.hardware == "cot_motion":
+        built = _built(random_motion(rng, shape))
         lockstep = random_motion_run(shape, task.seed, task.events, built)
     else:
-        top = cast(Top, task.hardware)
-        built = _built(random_config(rng, shape), top)
-        lockstep = random_run(shape, top, task.seed, task.events, built)
+        module = cast(Module, task.hardware)
+        built = _built(random_config(rng, shape, module))
+        lockstep = random_run(shape, module, task.seed, task.events, built)
     own = {"events": lockstep.events, "records": lockstep.records, "build_s": 0.0 if built.cached else built.build_s}
     return {**own, **_hardware(lockstep)}
 
@@ -184,13 +184,13 @@ def _hardware(lockstep: Lockstep) -> dict[str, Any]:
 _models: dict[str, BuiltModel] = {}
 
 
-def _built(config: CotConfig, top: Top, *, savable: bool = False) -> BuiltModel:
+def _built(config: CotConfig | MotionConfig, *, savable: bool = False) -> BuiltModel:
     """The compiled design: looked up once in a worker, built once on a machine."""
-    asked = (int(config.filters.enable), int(config.motion.enable), savable)
-    key = canonical([top, vars(config.shape), vars(config.filter_shape), asked])
+    asked = (int(config.filters.enable), savable)
+    key = canonical([config.module, vars(config.shape), vars(config.filter_shape), asked])
     found = _models.get(key)
     if found is None:
-        found = build_device(config, top, waves=False, savable=savable)
+        found = build_device(config, waves=False, savable=savable)
         _models[key] = found
         return found
     return BuiltModel(found.top, found.parameters, found.shared_object, found.key, True, 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from functools import cache
 from typing import Any
@@ -14,15 +14,17 @@ from evcot.errors import ConfigError
 from evcot.filters.config import FILTER_RANGES, FilterConfig
 from evcot.hardware.config import SlotConfig
 from evcot.hardware.contract import REGISTERS, SHAPE_RANGES, Shape
+from evcot.hardware.modules import MODULES
+from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.ranges import Range
 from evcot.trackers.engines import ENGINES
 
-__all__ = ["HARDWARE", "MODEL", "PRESET", "RTL", "check_field", "concerns", "limits", "nested", "numeric_fields", "with_fields"]
+__all__ = ["HARDWARE", "PRESET", "RTL", "check_field", "concerns", "limits", "nested", "numeric_fields", "with_fields"]
 
 RTL = "rtl"  # beside the names of `ENGINES`: the compiled hardware, in lock-step with the golden model
-MODEL = "cot"  # the golden model alone
 PRESET, HARDWARE = "preset", "hardware"
-_OF_HARDWARE = ("shape", "cot", "slot")
+_OF_COT = ("cot", "slot")  # tables of cot, cot_chain and cot_array
+_TICK_US: Range = (1, 1_000_000, "microseconds of a tick")
 _SLOT = re.compile(r"slot\[(\d+)\]")
 _FIELD = re.compile(r"([\w-]+(?:\[\d+\])?)\.(\w+)")
 
@@ -35,8 +37,9 @@ def _tables() -> Mapping[str, frozenset[str]]:
         "shape": frozenset(field.name for field in fields(Shape)),
         "cot": registers | {"tick_us"},
         "slot": registers,
+        "motion": frozenset(field.name for field in fields(MotionRegisters)) | {"tick_us"},
         "filters": frozenset(field.name for field in fields(FilterConfig)),
-        **{name: frozenset(asdict(_default(name))) for name in ENGINES if name != MODEL},
+        **{name: frozenset(asdict(_default(name))) for name in ENGINES if name not in MODULES},
     }
 
 
@@ -58,14 +61,19 @@ def check_field(name: str, where: str = "fields.") -> None:
         raise ConfigError(f"{where}{name}: no such field: must be one of {', '.join(sorted(tables[table]))} in {parts[1]}")
 
 
-def concerns(name: str, engine: str) -> bool:
-    """Whether a field means anything to an engine: a name of `ENGINES`, or `RTL`."""
+def concerns(name: str, engine: str, hardware: Sequence[str] = MODULES) -> bool:
+    """Whether a field means anything to an engine: a name of `ENGINES`, or `RTL` with one of these modules."""
     table = _SLOT.sub("slot", name.partition(".")[0])
     if table in (PRESET, "filters"):
         return True
     if table == HARDWARE:
         return engine == RTL
-    return engine in (RTL, MODEL) if table in _OF_HARDWARE else table == engine
+    modules = hardware if engine == RTL else [engine] if engine in MODULES else []
+    if table == "shape":
+        return bool(modules)
+    if table in _OF_COT:
+        return any(module != "cot_motion" for module in modules)
+    return "cot_motion" in modules if table == "motion" else table == engine
 
 
 def with_fields(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -103,13 +111,14 @@ def limits(name: str) -> Range | None:
     ranges: Mapping[str, Any]
     if _SLOT.sub("slot", table) in ("cot", "slot"):
         if field == "tick_us":
-            return 1, 1_000_000, "microseconds of a tick"
+            return _TICK_US
         widest = Shape(**{each: high for each, (_, high, _) in SHAPE_RANGES.items()})
         low, high = REGISTERS[field].limits(widest)
         return low, high, REGISTERS[field].meaning
-    if table in ("shape", "filters"):
-        ranges = SHAPE_RANGES if table == "shape" else FILTER_RANGES
-        return ranges.get(field)
+    if table in ("shape", "filters", "motion"):
+        known: dict[str, Mapping[str, Any]] = {"shape": SHAPE_RANGES, "filters": FILTER_RANGES, "motion": MOTION_RANGES}
+        ranges = known[table]
+        return _TICK_US if field == "tick_us" else ranges.get(field)
     if table not in ENGINES:
         return None
     module = vars(sys.modules[type(_default(table)).__module__])
@@ -119,7 +128,7 @@ def limits(name: str) -> Range | None:
 
 def numeric_fields(engine: str) -> dict[str, tuple[float, float, bool]]:
     """An engine's numbers that have a range: name -> lowest, highest, whether it is a whole number."""
-    table = "cot" if engine in (RTL, MODEL) else engine
+    table = "motion" if engine in (RTL, "cot_motion") else "cot" if engine in MODULES else engine
     found = {}
     for field in sorted(_tables()[table]):
         allowed = limits(f"{table}.{field}")

@@ -9,19 +9,21 @@ from itertools import chain
 from typing import Any
 
 from evcot.errors import ConfigError, RecordingError
+from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Shape
 from evcot.recordings.formats.source import Sensor
+from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 
 from ..lockstep.cosim import check_addresses_of
 from .axes import Point, grid, latin, uniform
 from .configure import configuration, tables_of
 from .execute import FAILED, INVALID
-from .fields import HARDWARE, MODEL, PRESET, RTL, concerns, with_fields
+from .fields import HARDWARE, PRESET, RTL, concerns, with_fields
 from .inputs import inputs_of, sensor_of
 from .machine import code_fingerprint, design_fingerprint
 from .spec import Spec
-from .task import FUZZ, MOTION, Input, Task, canonical
+from .task import FUZZ, Input, Task, canonical
 
 __all__ = ["Invalid", "Plan", "Planner", "points_of"]
 
@@ -137,7 +139,8 @@ class Planner:
         accepted: set[tuple[str, str]] = set()
         for point in points:
             for engine in self.spec.engines if engines is None else engines:
-                named = [(engine, canonical([name, value])) for name, value in point.items() if concerns(name, engine)]
+                modules = [point[HARDWARE]] if HARDWARE in point else self.spec.hardware
+                named = [(engine, canonical([name, value])) for name, value in point.items() if concerns(name, engine, modules)]
                 for task in self._tasks(engine, point):
                     if id(task.input) in self._damaged:
                         if task.key not in seen:
@@ -163,18 +166,18 @@ class Planner:
 
     def _tasks(self, engine: str, point: Point) -> Iterator[Task]:
         spec = self.spec
-        own: dict[str, Any] = {name: value for name, value in point.items() if concerns(name, engine)}
-        tables = tables_of(with_fields(spec.tables, own), engine)
-        preset = own.get(PRESET, spec.preset)
-        if PRESET in own and preset not in ENGINES[MODEL if engine == RTL else engine].presets:
-            return  # it is another engine's
         modules: Sequence[str] = ("",)
         if engine == RTL:
-            modules = (own[HARDWARE],) if HARDWARE in own else spec.hardware
+            modules = (point[HARDWARE],) if HARDWARE in point else spec.hardware
+        preset = point.get(PRESET, spec.preset)
         seeds: Sequence[int | None] = spec.seeds if engine == RTL and spec.stalls else (None,)
         design = design_fingerprint() if engine == RTL else ""
         for source in self.inputs:
             for module in modules:
+                if PRESET in point and preset not in ENGINES[module or engine].presets:
+                    continue  # it is another engine's
+                own: dict[str, Any] = {name: value for name, value in point.items() if concerns(name, engine, [module])}
+                tables = tables_of(with_fields(spec.tables, own), module or engine)
                 for seed in (source.scene_seed,) if source.is_scene and seeds != (None,) else seeds:
                     yield Task(engine, source, preset, tables, module, seed, 0, own, code_fingerprint(), design)
 
@@ -190,12 +193,11 @@ class Planner:
 
 def _fault(task: Task, sensor: Sensor) -> str | None:
     try:
-        slots = 1 if task.hardware == "cot" else None
-        config, filters = configuration(task.engine, sensor, task.preset, task.tables, slots)
-        if task.engine in (RTL, MODEL):
-            check_addresses_of(sensor, config.hardware(*sensor), "the input")
-            if task.hardware == "cot" and (config.cot.shape.n_slots != 1 or filters.enabled):
-                return "hardware = 'cot': must have one slot and no filters"
+        config, filters = configuration(task.engine, sensor, task.preset, task.tables, task.hardware)
+        if isinstance(config, RunConfig):
+            if task.engine == RTL or not filters.activity_noise_hz:
+                config.device_config(*sensor)
+            check_addresses_of(sensor, config.hardware, "the input")
     except ConfigError as error:
         return str(error)
     return None
@@ -209,8 +211,11 @@ def _rule_of(module: str, shape: Shape) -> str:
     """The rule of a module that a shape breaks; empty: none."""
     if module == "cot" and shape.n_slots != 1:
         return f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker"
-    if module == MOTION and shape.time_w < _MOTION_TIME_W:
-        return f"shape.time_w = {shape.time_w}: must be at least {_MOTION_TIME_W} with motion"
+    if module == "cot_motion":
+        try:
+            MotionConfig(shape)
+        except ConfigError as error:
+            return str(error)
     return ""
 
 

@@ -12,12 +12,13 @@ import numpy as np
 
 from evcot.errors import OutputError
 from evcot.events import Events, Recording
+from evcot.hardware.modules import MODULES
 from evcot.trackers.config import RunConfig
 
 from ..report import Material, Side, Truth, write_report
 from .configure import configuration
 from .execute import Tracked, tracked
-from .fields import MODEL, RTL
+from .fields import RTL
 from .folder import PLAYBACK
 from .inputs import opened, truth_of
 from .machine import versions
@@ -26,7 +27,6 @@ from .task import Task
 __all__ = ["write_playback"]
 
 _EVENTS_MAX = 20_000_000  # that a page is made of: it holds them in memory
-_SIDES = {RTL: "hardware", MODEL: "model"}  # names of engines; any other is software
 
 
 def write_playback(folder: Path, rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
@@ -59,15 +59,14 @@ def _material(row: Mapping[str, Any]) -> Material:
         scored = truth_of(task.input, stream.sensor, stream.first_us)
     events = _joined(found.events)
     recording = Recording(events, *stream.sensor, Path(task.input.name).stem)
-    settings, filters = configuration(
-        task.engine, stream.sensor, task.preset, task.tables, 1 if task.hardware == "cot" else None
-    )
+    settings, filters = configuration(task.engine, stream.sensor, task.preset, task.tables, task.hardware)
     plain = (
         settings.to_dict() if isinstance(settings, RunConfig) else {task.engine: asdict(settings), "filters": asdict(filters)}
     )
+    side = "hardware" if task.engine == RTL else "model" if task.engine in MODULES else "software"
     summary = {"name": recording.name, "command": row["command"], "versions": versions(), "config": plain}
     truth = None if scored is None else Truth(*scored)
-    return Material(recording, summary, (Side(_SIDES.get(task.engine, "software"), found.log),), truth)
+    return Material(recording, summary, (Side(side, found.log),), truth)
 
 
 def _joined(blocks: Sequence[Events]) -> Events:

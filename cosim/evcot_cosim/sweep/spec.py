@@ -6,24 +6,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import tomli_w
 
 from evcot.errors import ConfigError
 from evcot.hardware.contract import Shape
+from evcot.hardware.modules import DEFAULT_MODULE, MODULES
 from evcot.metrics import RULES
 from evcot.outputs import is_plain_name, note_input
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.toml_file import read_toml
 from evcot.trackers.engines import ENGINES
 
-from ..names import DEFAULT_TOP, Top
 from .axes import METHODS, SAMPLES_MAX, Axis, axis_from
-from .fields import HARDWARE, MODEL, PRESET, RTL, nested
+from .fields import HARDWARE, PRESET, RTL, nested
 from .metrics import METRICS
 from .places import placed
-from .task import MOTION, canonical
+from .task import canonical
 
 __all__ = ["SHIPPED", "Fuzz", "Spec", "read_spec", "spec_from", "spec_toml"]
 
@@ -33,7 +33,6 @@ SHIPPED = tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 _DIRECTIONS = ("max", "min")
 _SEEDS_MAX = 10_000_000
-_FUZZED = (*get_args(Top), MOTION)
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ class Spec:
     parts: tuple[tuple[int, int | None], ...] = ((0, None),)
     skip_damaged: bool = False
     engines: tuple[str, ...] = ("rct",)
-    hardware: tuple[str, ...] = (DEFAULT_TOP,)
+    hardware: tuple[str, ...] = (DEFAULT_MODULE,)
     seeds: tuple[int, ...] = (1,)
     stalls: bool = False
     preset: str | None = None
@@ -268,10 +267,10 @@ def _fuzz(value: Mapping[str, Any]) -> Fuzz:
     for key in value:
         if key not in ("modules", "shapes", "events"):
             raise ConfigError(f"fuzz: unknown field {key!r}: must be one of events, modules, shapes")
-    modules = tuple(_texts("fuzz.modules", value.get("modules", list(_FUZZED))))
+    modules = tuple(_texts("fuzz.modules", value.get("modules", list(MODULES))))
     for module in modules:
-        if module not in _FUZZED:
-            raise ConfigError(f"fuzz.modules: {module!r}: must be one of {', '.join(_FUZZED)}")
+        if module not in MODULES:
+            raise ConfigError(f"fuzz.modules: {module!r}: must be one of {', '.join(MODULES)}")
     shapes = value.get("shapes", [{}])
     if not isinstance(shapes, list) or not shapes or not all(isinstance(shape, Mapping) for shape in shapes):
         raise ConfigError(f"fuzz.shapes = {shapes!r}: must be a list of tables, one at least")
@@ -304,8 +303,8 @@ def _check(spec: Spec) -> None:
         if engine not in engines:
             raise ConfigError(f"engines: {engine!r}: must be one of {', '.join(engines)}")
     for module in spec.hardware:
-        if module not in get_args(Top):
-            raise ConfigError(f"hardware: {module!r}: must be one of {', '.join(get_args(Top))}")
+        if module not in MODULES:
+            raise ConfigError(f"hardware: {module!r}: must be one of {', '.join(MODULES)}")
     for scene in spec.scenes:
         scene_settings(scene, spec.seeds[0], spec.scene_settings)
     if spec.method not in METHODS:
@@ -328,12 +327,13 @@ def _check(spec: Spec) -> None:
         if axis.name in (PRESET, HARDWARE):
             if not axis.choices:
                 raise ConfigError(f"fields.{axis.name}: must be a list of names")
-            presets = {name for engine in spec.engines for name in ENGINES[MODEL if engine == RTL else engine].presets}
+            owners = {each for engine in spec.engines for each in (MODULES if engine == RTL else [engine])}
+            presets = {name for engine in owners for name in ENGINES[engine].presets}
             for choice in axis.choices if axis.name == PRESET else ():
                 if choice not in presets:
                     raise ConfigError(f"fields.preset: {choice!r}: must be one of {', '.join(sorted(presets))}")
-            if axis.name == HARDWARE and not set(axis.choices) <= set(get_args(Top)):
-                raise ConfigError(f"fields.hardware = {list(axis.choices)}: must be of {', '.join(get_args(Top))}")
+            if axis.name == HARDWARE and not set(axis.choices) <= set(MODULES):
+                raise ConfigError(f"fields.hardware = {list(axis.choices)}: must be of {', '.join(MODULES)}")
     names = [canonical(axis.name) for axis in spec.axes]
     if len(set(names)) < len(names):
         raise ConfigError("fields: each must be given once")

@@ -14,7 +14,6 @@ from evcot.errors import ConfigError
 
 __all__ = ["FUZZ", "Input", "Task", "canonical"]
 
-MOTION = "cot_motion"  # in a regression by seeds; elsewhere it is `cot_array` with motion.enable
 FUZZ = "fuzz"  # the engine of a task that runs hardware and model on random registers, traffic and stalls
 
 

@@ -13,13 +13,15 @@ import numpy as np
 import tomli_w
 
 from evcot.errors import ConfigError
+from evcot.hardware.config import MotionConfig
+from evcot.hardware.modules import MODULES
 from evcot.recordings.files import open_recording
 from evcot.trackers.config import RunConfig
 
 from ..lockstep.run_file import config_tables
 from .axes import Axis, axis_from
 from .configure import configuration
-from .fields import MODEL, RTL, concerns, limits, numeric_fields, with_fields
+from .fields import RTL, concerns, limits, numeric_fields, with_fields
 from .inputs import inputs_of, sensor_of
 from .metrics import METRICS
 from .places import local
@@ -227,8 +229,11 @@ def default_axes(spec: Spec) -> tuple[Axis, ...]:
         ConfigError, RecordingError: a preset or a recording that cannot be used.
     """
     (engine,) = spec.engines
-    settings, _ = configuration(engine, sensor_of(inputs_of(spec)[0]), spec.preset, spec.tables)
-    own = settings.cot.slots[0] if isinstance(settings, RunConfig) else settings
+    settings, _ = configuration(engine, sensor_of(inputs_of(spec)[0]), spec.preset, spec.tables, _hardware_of(spec))
+    own = settings
+    if isinstance(settings, RunConfig):
+        hardware = settings.hardware
+        own = hardware.registers if isinstance(hardware, MotionConfig) else hardware.slots[0]
     axes = []
     for name, (_, _, whole) in numeric_fields(engine).items():
         value = getattr(own, name.partition(".")[2], None)
@@ -245,20 +250,26 @@ def default_axes(spec: Spec) -> tuple[Axis, ...]:
     return tuple(axes)
 
 
+def _hardware_of(spec: Spec) -> str:
+    """The module, if the engine is the hardware."""
+    return spec.hardware[0] if spec.engines == (RTL,) else ""
+
+
 def preset_toml(spec: Spec, tuned: Tuned, command: str) -> str:
     """The chosen configuration, complete, as a file for `--config`; how it was found stands in its comments."""
     (engine,) = spec.engines
     tables = with_fields(spec.tables, tuned.settings)
-    settings, filters = configuration(engine, sensor_of(inputs_of(spec)[0]), spec.preset, tables)
+    settings, filters = configuration(engine, sensor_of(inputs_of(spec)[0]), spec.preset, tables, _hardware_of(spec))
     if isinstance(settings, RunConfig):
         values = config_tables(settings)
         for name in ("x_w", "y_w"):  # they follow the sensor
             del values["shape"][name]
         del values["software"], values[settings.software]
+        values.pop("software_filters", None)
     else:
         plain = {engine: asdict(settings), "filters": asdict(filters)}
         values = {name: {key: value for key, value in table.items() if value is not None} for name, table in plain.items()}
-    usage = "evcot cosim FILE" if engine in (MODEL, RTL) else f"evcot track FILE --engine {engine}"
+    usage = "evcot cosim FILE" if engine in (RTL, *MODULES) else f"evcot track FILE --engine {engine}"
     lines = [
         f"Made by `{command}`; to be used as `{usage} --config THIS`.",
         f"{tuned.metric} {tuned.chosen:.4f} on what it was chosen on ({', '.join(tuned.chosen_on)}), the preset "

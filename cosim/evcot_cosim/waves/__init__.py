@@ -11,6 +11,7 @@ from __future__ import annotations
 from .checks import After, after, always, handshake_stable, never, one_of, sometime, stable_until, transitions
 from .errors import PropertyError, VcdError, WaveformError
 from .expr import Expr
+from .gtkwave import write_view
 from .record import recorded
 from .vcd import Declared, Signal
 from .wave import Samples, Wave
@@ -34,4 +35,5 @@ __all__ = [
     "sometime",
     "stable_until",
     "transitions",
+    "write_view",
 ]

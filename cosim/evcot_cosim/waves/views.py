@@ -263,8 +263,8 @@ _MOTION_SLOT = Group(
 _MOTION = (_MOTION_DECISION, _MOTION_SLOT, _MOTION_WORK)
 _MOTION_OUTPUTS = (_BOXES, _OWNED, _PASSED)
 
-WITH_MOTION = "{}, with motion"
-"""The key of a module's view if its tracker is the array with motion."""
+WITH_MOTION = "{}, cot_motion"
+"""The key of a module's view if its tracker is cot_motion."""
 
 # Module -> what to show of it, from top to bottom. Signals that a waveform lacks are left out.
 VIEWS: dict[str, tuple[Group, ...]] = {

@@ -10,12 +10,11 @@ import numpy as np
 
 from evcot.errors import ConfigError
 from evcot.events import Events
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, MotionConfig
 
 from ..devices.base import Stalls
 from ..lockstep.lockstep import Clocks, dump_window
 from ..lockstep.moments import Moment
-from ..names import DEFAULT_TOP, Top
 from .fst import fst_writer, write_fst
 from .gtkwave import Marker, write_view
 from .views import VIEWS
@@ -60,11 +59,10 @@ def wave_names(name: str = "waves") -> list[str]:
 
 def write_waves(
     events: Events,
-    config: CotConfig,
+    config: CotConfig | MotionConfig,
     folder: Path,
     window: Window,
     *,
-    top: Top = DEFAULT_TOP,
     stalls: Stalls | None = None,
     name: str = "waves",
     moment: Moment | None = None,
@@ -77,7 +75,7 @@ def write_waves(
         OutputError: a file exists (without `force`), or cannot be written.
     """
     vcd = folder / f"{name}.vcd"
-    clocks = dump_window(events, config, vcd, window.first, window.last, top=top, stalls=stalls, force=force)
+    clocks = dump_window(events, config, vcd, window.first, window.last, stalls=stalls, force=force)
     view = folder / f"{name}.gtkw"
     write_view(vcd, view, _markers(moment, clocks) if moment else (), reach=_SHOWN_CLOCKS * CLOCK, force=force)
     if fst_writer() is not None:

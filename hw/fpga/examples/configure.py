@@ -8,9 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evcot.hardware.contract import Mode
-from evcot.hardware.register_access import Registers
-from evcot.hardware.registers import Transport, register_map
+from evcot import Mode, Registers, Transport, register_map
 
 
 class Uio:

@@ -19,7 +19,7 @@ module kv260_evcot #(
     input  wire [7:0]  s_axis_tkeep,
     input  wire        s_axis_tlast,
 
-    // to ps_host_if, s_axis: six words a record, seven with motion
+    // to ps_host_if, s_axis: six words a record, seven of cot_motion
     output wire        m_axis_tvalid,
     input  wire        m_axis_tready,
     output wire [63:0] m_axis_tdata,

@@ -219,7 +219,7 @@ module axi_lite_regs #(
     wire is_motion = word[WORD_W-1:REG_W] == MOTION_BASE[WORD_W+1:REG_W+2] || is_tracks;
     wire [`EVCOT_MREG_W-1:0] motion_place = {is_tracks, place};
 
-    // Of a slot with motion there is no other register.
+    // Of a slot of cot_motion there is no other register.
     wire of_slot = (MOTION != 0) ? (place == `EVCOT_REG_MODE || place == `EVCOT_BANK_COMMIT) : slot_has(place);
 
     // From the clock after the access begins.

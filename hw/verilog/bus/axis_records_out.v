@@ -16,7 +16,7 @@
 module axis_records_out #(
     parameter DATA_W  = 64,  // bits of a beat: 32, 64, 128 or 256
     parameter DEPTH   = 16,  // records that may wait, at least 1
-    parameter MOTION  = 0,   // records of an array with motion
+    parameter MOTION  = 0,   // records of cot_motion
     parameter SLOT_W  = 3,   // bits of a slot number
     parameter ID_W    = 32,  // bits of a track id
     parameter X_W     = 13,  // bits of a centre's x, fraction and all

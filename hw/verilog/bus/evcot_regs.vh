@@ -66,7 +66,7 @@
 `define EVCOT_PASSED_SEQ_LSB 35
 `define EVCOT_PASSED_SEQ_W 29
 
-// A record: contract.RECORD, and with motion motion.contract.MOTION_RECORD.
+// A record: contract.RECORD, and of cot_motion motion.contract.MOTION_RECORD.
 `define EVCOT_RECORD_W 384
 `define EVCOT_RECORD_SEQ_LSB 0
 `define EVCOT_RECORD_SEQ_W 64

@@ -26,7 +26,7 @@
 module evcot_top #(
     parameter SOURCES      = 1,    // sources to build, a bit each: 1 events, 2 LFSR, 4 AER, 8 EVT 2.0, 16 EVT 2.1, 32 EVT 3.0
     parameter SOURCE       = 0,    // number of the one that is selected after reset
-    parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain, 2 cot_motion: the array with motion
+    parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain, 2 cot_motion: cot_motion
     parameter HAS          = 0,    // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH        = 346,  // pixels of the sensor across
     parameter HEIGHT       = 260,  // pixels of the sensor down
@@ -349,7 +349,7 @@ module evcot_top #(
 
     // ---- filters and trackers ----------------------------------------------------------------------------------------
 
-    // A record has a centre and a radius, or with motion the middle of a box, its sides and its velocity.
+    // A record has a centre and a radius, or of cot_motion the middle of a box, its sides and its velocity.
     localparam MOTION = (TRACKER == `EVCOT_TRACKER_MOTION) ? 1 : 0;
     localparam REACH  = (X_W > Y_W) ? (X_W > 9 ? X_W : 9) : (Y_W > 9 ? Y_W : 9);
     localparam SIDE_W = REACH + 16;

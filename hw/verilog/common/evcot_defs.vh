@@ -119,7 +119,7 @@
 `define EVCOT_FREG_ROWCOL_SUPPORT 5'd18
 `define EVCOT_FREG_STAMP_SHIFT 5'd19
 
-// Addresses on the port of an array with motion: the mode of a slot, then the words of both banks.
+// Addresses on the port of cot_motion: the mode of a slot, then the words of both banks.
 `define EVCOT_MREG_W 6
 `define EVCOT_MREG_MODE 6'd0
 `define EVCOT_MREG_STEP_LOG2 6'd1

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A filter chain in front of N trackers: the array, the chain or the array with motion.
+// A filter chain in front of N trackers: the array, the chain or cot_motion.
 //
 // Ports and behaviour are those of the trackers, and filter_cfg_* writes the registers of filter_chain.v. An event that a
 // filter drops is not output, but it is numbered: every record and every output event carries the number that its
@@ -71,9 +71,9 @@ module cot_filtered #(
     output wire [SLOT_W-1:0]   m_cm_slot,
     output wire [ID_W-1:0]     m_cm_id,
     output wire [ID_W-1:0]     m_cm_other,
-    output wire [CM_X_W-1:0]   m_cm_x,       // with motion the middle of the box: 2^-12 px, signed
+    output wire [CM_X_W-1:0]   m_cm_x,       // of cot_motion the middle of the box: 2^-12 px, signed
     output wire [CM_Y_W-1:0]   m_cm_y,
-    output wire [RADIX_W:0]    m_cm_radius,  // 0 with motion
+    output wire [RADIX_W:0]    m_cm_radius,  // 0 for cot_motion
     output wire [SIDE_W-1:0]   m_cm_width,   // 2^-12 px; this and the next three are 0 without motion
     output wire [SIDE_W-1:0]   m_cm_height,
     output wire [15:0]         m_cm_v_x,     // 2^-12 px per motion step, signed

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instantiates the array, the chain or the array with motion, with one set of ports for all. Latency and behaviour: see those modules.
+// Instantiates the array, the chain or cot_motion, with one set of ports for all. Latency and behaviour: see those modules.
 //
 // Latency:    that of the module that is built, as all below.
 // Throughput: likewise.
@@ -57,9 +57,9 @@ module cot_tracker #(
     output wire [SLOT_W-1:0]   m_cm_slot,
     output wire [ID_W-1:0]     m_cm_id,
     output wire [ID_W-1:0]     m_cm_other,   // MERGED: the track that stays; else 0
-    output wire [CM_X_W-1:0]   m_cm_x,       // with motion the middle of the box: 2^-12 px, signed
+    output wire [CM_X_W-1:0]   m_cm_x,       // of cot_motion the middle of the box: 2^-12 px, signed
     output wire [CM_Y_W-1:0]   m_cm_y,
-    output wire [RADIX_W:0]    m_cm_radius,  // 0 with motion
+    output wire [RADIX_W:0]    m_cm_radius,  // 0 for cot_motion
     output wire [SIDE_W-1:0]   m_cm_width,   // 2^-12 px; this and the next three are 0 without motion
     output wire [SIDE_W-1:0]   m_cm_height,
     output wire [15:0]         m_cm_v_x,     // 2^-12 px per motion step, signed

@@ -73,7 +73,7 @@ def _bank_codes(prefix: str, comment: str, bank: Bank) -> _Codes:
 
 
 def _motion_codes() -> _Codes:
-    comment = "Addresses on the port of an array with motion: the mode of a slot, then the words of both banks."
+    comment = "Addresses on the port of cot_motion: the mode of a slot, then the words of both banks."
     return _Codes("MREG", comment, list(motion_addresses().items()), register_map().banks["motion"].word_w + 1)
 
 
@@ -198,7 +198,7 @@ def _vocabulary() -> dict[str, Any]:
             ("Filters", "filter", f"{banks['filter'].base:#06x}", FILTER_REGISTERS),
             *(
                 (title, name, f"{banks[name].base:#06x}", MOTION_BANKS[name])
-                for title, name in (("Boxes and velocities, with motion", "motion"), ("Lives, with motion", "tracks"))
+                for title, name in (("Boxes and velocities, of cot_motion", "motion"), ("Lives, of cot_motion", "tracks"))
             ),
         ],
         "code": lambda word: f"{register_of.address_w - 2}'h{word.address // 4:03x}",

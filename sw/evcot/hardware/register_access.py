@@ -233,7 +233,7 @@ class _Filters(Group):
 
 
 class _Motion(Group):
-    """The registers of boxes and velocities, of an array with motion."""
+    """The registers of boxes and velocities, of cot_motion."""
 
     __slots__ = ()
     step_log2 = BankRegister("motion", "step_log2")
@@ -273,7 +273,7 @@ class _Motion(Group):
 
 
 class _Tracks(Group):
-    """The registers of lives, of an array with motion."""
+    """The registers of lives, of cot_motion."""
 
     __slots__ = ()
     detect_ticks = BankRegister("tracks", "detect_ticks")
@@ -417,7 +417,7 @@ class Registers(Group):
 
     @property
     def motion(self) -> _Motion:
-        """The registers of boxes and velocities, of an array with motion.
+        """The registers of boxes and velocities, of cot_motion.
 
         Raises:
             ConfigError: the hardware has none.
@@ -427,7 +427,7 @@ class Registers(Group):
 
     @property
     def tracks(self) -> _Tracks:
-        """The registers of lives, of an array with motion.
+        """The registers of lives, of cot_motion.
 
         Raises:
             ConfigError: the hardware has none.
@@ -440,7 +440,7 @@ class Registers(Group):
         if tracker != 2:
             raise ConfigError(
                 f"the hardware has no registers {bank}: it was built with TRACKER = {tracker}; "
-                "TRACKER = 2 builds an array with motion"
+                "TRACKER = 2 builds cot_motion"
             )
 
     @property

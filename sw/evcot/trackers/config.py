@@ -11,17 +11,19 @@ from typing import Any, Literal, get_args
 
 from ..errors import ConfigError, meant
 from ..filters.config import FilterConfig
-from ..hardware.config import CotConfig, SlotConfig
+from ..hardware.config import CotConfig, MotionConfig, SlotConfig, with_module
 from ..hardware.contract import Shape
+from ..hardware.modules import MODULES, Module
 from ..hardware.motion.contract import MotionRegisters
 from ..outputs import note_input
+from ..recordings.formats.source import Sensor
 from ..toml_file import read_toml
-from .auto.config import AutoConfig
+from .adaptive.config import AdaptiveConfig
 from .rct.config import RctConfig
 
-__all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "run_config_from", "tracker_from", "without_motion"]
+__all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "module_in", "run_config_from", "tracker_from"]
 
-Software = Literal["auto", "rct"]
+Software = Literal["adaptive", "rct"]
 
 
 @dataclass(frozen=True)
@@ -29,20 +31,23 @@ class RunConfig:
     """Named configuration of a run: filters and both trackers.
 
     Attributes:
-        software: which software tracker runs beside the hardware; `rct` and `auto` are the settings of each.
+        hardware: module, shape and registers of the hardware tracker.
+        software: which software tracker runs beside the hardware; `rct` and `adaptive` are the settings of each.
         filters: in front of the hardware, and of the software tracker unless `software_filters` has others for it.
+        sensor: (width, height) in pixels of the sensor that the addresses fit; None: not known.
 
     Raises:
         ConfigError: no such software tracker.
     """
 
     name: str = "default"
-    cot: CotConfig = field(default_factory=CotConfig)
+    hardware: CotConfig | MotionConfig = field(default_factory=MotionConfig)
     rct: RctConfig = field(default_factory=RctConfig)
     filters: FilterConfig = field(default_factory=FilterConfig)
     software: Software = "rct"
-    auto: AutoConfig = field(default_factory=AutoConfig)
+    adaptive: AdaptiveConfig = field(default_factory=AdaptiveConfig)
     software_filters: FilterConfig | None = None
+    sensor: Sensor | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         if self.software not in get_args(Software):
@@ -53,19 +58,26 @@ class RunConfig:
         """The filters in front of the software tracker."""
         return self.filters if self.software_filters is None else self.software_filters
 
-    def hardware(self, width: int, height: int) -> CotConfig:
-        """The hardware configuration for a sensor: `cot`, behind `filters`.
+    def device_config(self, width: int = 0, height: int = 0) -> CotConfig | MotionConfig:
+        """The complete configuration of the hardware: `hardware` behind `filters`, whose memories fit the sensor.
+
+        Args:
+            width, height: of the sensor; 0: that for which `presets.run_config` made this configuration.
 
         Raises:
             ConfigError: a filter time that cannot be represented in ticks, or a hot pixel outside the sensor.
         """
         if not self.filters.enabled:
-            return self.cot
+            return self.hardware
         if self.filters.activity_noise_hz:
             rule = "must be 0 in hardware, whose registers hold; choose activity_support"
             raise ConfigError(f"filters.activity_noise_hz = {self.filters.activity_noise_hz:g}: {rule}")
-        filters, shape = self.filters.registers(self.cot.tick_us), self.filters.shape(width, height)
-        return replace(self.cot, filters=filters, filter_shape=shape)
+        if not width:
+            if self.sensor is None:
+                raise ConfigError("device_config: width and height must be given: this configuration is for any sensor")
+            width, height = self.sensor
+        filters, shape = self.filters.registers(self.hardware.tick_us), self.filters.shape(width, height)
+        return replace(self.hardware, filters=filters, filter_shape=shape)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as stored in summary.json; the filters only once, in physical units, and one software tracker."""
@@ -73,10 +85,9 @@ class RunConfig:
         for name in get_args(Software):
             if name != self.software:
                 del values[name]
+        del values["sensor"]
         for name in ("filters", "filter_shape"):
-            del values["cot"][name]
-        if not self.cot.motion.enable:
-            del values["cot"]["motion"]
+            del values["hardware"][name]
         return values
 
 
@@ -100,14 +111,14 @@ def _names(cls: type) -> set[str]:
 
 
 def load_toml(path: Path, base: RunConfig) -> RunConfig:
-    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[motion]`, `[rct]`, `[auto]` and `[filters]`
-    override `base`.
+    """Read a TOML file whose fields and tables override `base`.
 
-    `software` names the software tracker, and `[software_filters]` holds its filters if they are not those of `[filters]`.
-
-    `[cot]` has `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
-    may have `hot_pixels_file`, a file of `filters.hot_pixels` relative to the TOML file, instead of `hot_pixels`. `[run]`,
-    which describes the inputs of a run, and `[files]`, which lists its output files, are ignored.
+    `hardware` names the module. `[shape]` has its elaboration parameters. `[motion]` has the registers of cot_motion, `tick_us`
+    and `modes`; `[cot]` has `tick_us` and any register of the other modules, for all slots; the i-th `[[slot]]` then overrides
+    registers of slot i. `software` names the software tracker, with its settings in `[rct]` or `[adaptive]`. `[filters]` may
+    have `hot_pixels_file`, a file of `filters.hot_pixels` relative to the TOML file, instead of `hot_pixels`;
+    `[software_filters]` holds the filters of the software tracker if they are not those of `[filters]`. `[run]`, which
+    describes the inputs of a run, and `[files]`, which lists its output files, are ignored.
 
     Raises:
         ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
@@ -117,17 +128,26 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
         return run_config_from(_tables(path), base, path.parent)
 
 
-def without_motion(path: Path) -> bool:
-    """Whether a TOML file for `load_toml` is about the array without motion: has registers of slots, or says so.
+def module_in(path: Path) -> Module | None:
+    """The module that a TOML file for `load_toml` is about: the one that it names, or one that has its registers; else None.
 
     Raises:
-        ConfigError: the file cannot be read, or is not TOML.
+        ConfigError: the file cannot be read, is not TOML, or names no module.
     """
     with _named(path):
-        data = _tables(path)
-        registers = set(_table(data, "cot", "top level")) - {"tick_us"}
-        enable = _table(data, "motion", "top level").get("enable")
-        return not enable and (enable is not None or bool(registers) or "slot" in data)
+        return _module_of(_tables(path))
+
+
+def _module_of(data: Mapping[str, Any]) -> Module | None:
+    module = data.get("hardware")
+    if module is not None:
+        if module not in MODULES:
+            known = f"must be one of {', '.join(MODULES)}{meant(str(module), MODULES)}"
+            raise ConfigError(f"hardware = {module!r}: {known}")
+        return module  # type: ignore[no-any-return]  # one of MODULES
+    if "cot" in data or "slot" in data:
+        return "cot_array"
+    return "cot_motion" if "motion" in data else None
 
 
 def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) -> tuple[Any, FilterConfig]:
@@ -165,33 +185,60 @@ def _tables(path: Path) -> Mapping[str, Any]:
 
 def run_config_from(data: Mapping[str, Any], base: RunConfig, folder: Path) -> RunConfig:
     """As `load_toml`, of tables that were read already; `folder` is that of their file."""
-    known = {"name", "software", "run", "made", "files", "shape", "cot", "slot", "motion", "rct", "auto", "filters"}
-    known.add("software_filters")
-    _section(data, known, "top level")
-    shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
-    cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
-    tick_us = cot.pop("tick_us", base.cot.tick_us)
-    template = base.cot.slots
-    slots = [replace(template[min(i, len(template) - 1)], **cot) for i in range(shape.n_slots)]
-    own = data.get("slot", [])
-    if not isinstance(own, list) or not all(isinstance(entry, Mapping) for entry in own):
-        raise ConfigError("[[slot]] must be a list of tables")
-    if len(own) > shape.n_slots:
-        raise ConfigError(f"[[slot]] occurs {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
-    for i, entry in enumerate(own):
-        slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
-    motion = replace(base.cot.motion, **_section(_table(data, "motion", "top level"), _names(MotionRegisters), "[motion]"))
+    known = {"name", "hardware", "software", "run", "made", "files", "shape", "cot", "slot", "motion", "rct", "adaptive"}
+    _section(data, known | {"filters", "software_filters"}, "top level")
     rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
-    auto = replace(base.auto, **_section(_table(data, "auto", "top level"), _names(AutoConfig), "[auto]"))
+    adaptive = replace(base.adaptive, **_section(_table(data, "adaptive", "top level"), _names(AdaptiveConfig), "[adaptive]"))
     return RunConfig(
         name=str(data.get("name", base.name)),
-        cot=CotConfig(shape, tuple(slots), tick_us, motion=motion),
+        hardware=_hardware(data, base.hardware),
         rct=rct,
         filters=_filters(base.filters, _table(data, "filters", "top level"), folder),
         software=data.get("software", base.software),
-        auto=auto,
+        adaptive=adaptive,
         software_filters=_software_filters(base, data, folder),
+        sensor=base.sensor,
     )
+
+
+def _hardware(data: Mapping[str, Any], base: CotConfig | MotionConfig) -> CotConfig | MotionConfig:
+    """The hardware's configuration: that of the base, or the default one of another contract, with what the tables change."""
+    module = _module_of(data) or base.module
+    if (module == "cot_motion") != isinstance(base, MotionConfig):
+        base = MotionConfig() if module == "cot_motion" else CotConfig()
+    shape_table = _section(_table(data, "shape", "top level"), _names(Shape), "[shape]")
+    if isinstance(base, MotionConfig):
+        for name in ("cot", "slot"):
+            if name in data:
+                raise ConfigError(f"[{name}]: must not be given for cot_motion, whose registers stand in [motion]")
+        shape = replace(base.shape, **shape_table)
+        own = dict(_table(data, "motion", "top level"))
+        if "enable" in own:
+            raise ConfigError('[motion]: enable: there is no such register any more: hardware = "cot_motion" names the module')
+        tick_us, modes = own.pop("tick_us", base.tick_us), own.pop("modes", None)
+        if modes is None:
+            modes = (base.modes + base.modes[-1:] * shape.n_slots)[: shape.n_slots]
+        elif not isinstance(modes, list) or not all(type(mode) is int for mode in modes):
+            raise ConfigError(f"[motion]: modes = {modes!r}: must be a list of 0 (off) or 2 (seeded), one per slot")
+        registers = replace(base.registers, **_section(own, _names(MotionRegisters), "[motion]"))
+        return replace(base, shape=shape, registers=registers, tick_us=tick_us, modes=tuple(modes))
+    if "motion" in data:
+        raise ConfigError(f"[motion]: must not be given for {module}, whose registers stand in [cot] and [[slot]]")
+    base = with_module(base, module)
+    assert isinstance(base, CotConfig)
+    shape = replace(base.shape, **shape_table)
+    cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
+    tick_us = cot.pop("tick_us", base.tick_us)
+    template = base.slots
+    slots = [replace(template[min(i, len(template) - 1)], **cot) for i in range(shape.n_slots)]
+    own_slots = data.get("slot", [])
+    if not isinstance(own_slots, list) or not all(isinstance(entry, Mapping) for entry in own_slots):
+        raise ConfigError("[[slot]] must be a list of tables")
+    if len(own_slots) > shape.n_slots:
+        raise ConfigError(f"[[slot]] occurs {len(own_slots)} times: must be at most shape.n_slots = {shape.n_slots}")
+    for i, entry in enumerate(own_slots):
+        slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
+    return CotConfig(shape, tuple(slots), tick_us, module=base.module)
 
 
 def _software_filters(base: RunConfig, data: Mapping[str, Any], folder: Path) -> FilterConfig | None:

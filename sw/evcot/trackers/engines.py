@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..hardware.modules import DEFAULT_MODULE, Module
 
 if TYPE_CHECKING:
     from ..filters.config import FilterConfig
@@ -88,8 +90,8 @@ def _rct() -> _Parts:
     return _Parts(presets.PRESETS, _software(tracker.RctTracker), presets.FILTERS)
 
 
-def _auto() -> _Parts:
-    from .auto import estimates, presets
+def _adaptive() -> _Parts:
+    from .adaptive import estimates, presets
 
     return _Parts(presets.PRESETS, _software(estimates.ObservedTracker))
 
@@ -106,30 +108,36 @@ def _frames() -> _Parts:
     return _Parts(presets.PRESETS, _software(lambda settings, *_: tracker.FrameTracker(settings)))
 
 
-def _cot() -> _Parts:
-    """The golden model has its filters inside, as the hardware has them; but those that follow the stream are before it."""
-    from ..filters.config import FilterConfig
-    from ..hardware.cot import CotTracker
+def _golden(module: Module) -> _Parts:
+    """A golden model has its filters inside, as the hardware has them; but those that follow the stream are before it."""
+    from ..hardware.golden import GoldenTracker
     from . import presets
     from .following import FollowingTracker
 
     def start(run: RunConfig, filters: FilterConfig, sensor: Sensor) -> Tracker:
         fitted = presets.fit(run, *sensor)
         if filters.activity_noise_hz:
-            return FollowingTracker(replace(fitted, filters=FilterConfig()).hardware(*sensor), filters, sensor)
-        return CotTracker(replace(fitted, filters=filters).hardware(*sensor))
+            return FollowingTracker(fitted.hardware, filters, sensor)
+        return GoldenTracker(replace(fitted, filters=filters).device_config(*sensor))
 
-    known = {presets.AUTO: presets.FOLLOWING, **presets.PRESETS}
+    known = presets.presets_of(module)
     return _Parts(known, start, {name: run.filters for name, run in known.items()})
 
 
+_GOLDEN: dict[Module, str] = {
+    "cot_motion": "golden model of the default hardware: boxes follow size and speed",
+    "cot_array": "golden model: square windows, every slot sees every event",
+    "cot_chain": "golden model: square windows, trackers in a chain",
+    "cot": "golden model of a single tracker",
+}
+
 ENGINES: dict[str, Engine] = {
-    "auto": Engine("objects by motion, with settings read off the stream", _auto),
+    **{module: Engine(title, partial(_golden, module)) for module, title in _GOLDEN.items()},
+    "adaptive": Engine("objects by motion, with settings estimated from the stream", _adaptive),
     "rct": Engine("Rectangular Cluster Tracker", _rct),
     "mean-shift": Engine("mean shift on packets of events", _mean_shift),
     "frames": Engine("connected components of frames", _frames),
-    "cot": Engine("golden model of the hardware", _cot),
 }
 
-DEFAULT = "cot"
+DEFAULT = DEFAULT_MODULE
 """The engine of all commands and functions that track, with its first preset."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The golden model of the array behind filters that follow the noise: the tracker for any recording, and for a live stream."""
+"""A golden model behind filters that follow the noise: the tracker for any recording, and for a live stream."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from numpy.typing import NDArray
 from ..events import Events
 from ..filters.config import FilterConfig
 from ..filters.following import FollowingChain
-from ..hardware.config import CotConfig
-from ..hardware.cot import CotTracker
+from ..hardware.config import CotConfig, MotionConfig
+from ..hardware.golden import GoldenTracker
 from ..recordings.formats.source import Sensor
 from ..tracks.log import Kind
 from ..tracks.tracking import TrackerOutput
-from .auto.estimates import SAMPLE_US, Histogram, at_once, line
+from .adaptive.estimates import SAMPLE_US, Histogram, at_once, line
 
 __all__ = ["FollowingTracker"]
 
 _SIGHTING = np.dtype([("sample", "i8"), ("slot", "i8"), ("half_px", "f8"), ("speed_px_s", "f8")])
 
 
-class FollowingTracker(CotTracker):
+class FollowingTracker(GoldenTracker):
     """The model, as the hardware would be with `activity_support` rewritten every 20 ms. See `tracking.Tracker`.
 
     Args:
@@ -32,7 +32,7 @@ class FollowingTracker(CotTracker):
     `str` of it says what it has seen of the scene so far.
     """
 
-    def __init__(self, config: CotConfig, filters: FilterConfig, sensor: Sensor) -> None:
+    def __init__(self, config: CotConfig | MotionConfig, filters: FilterConfig, sensor: Sensor) -> None:
         registers, shape = filters.registers(config.tick_us), filters.shape(*sensor)
         self._chain = FollowingChain(registers, shape, filters.activity_noise_hz, config.tick_us)
         super().__init__(config, before=self._chain)

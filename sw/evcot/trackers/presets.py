@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Named configurations: the paper's two situations, one per common sensor size, and some tuned for a kind of scene."""
+"""Named configurations: the default, the paper's two situations, one per common sensor size, and two for a kind of scene."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ from dataclasses import replace
 
 from ..errors import ConfigError, meant
 from ..filters.config import FilterConfig
-from ..hardware.config import CotConfig, SlotConfig
+from ..hardware.config import CotConfig, MotionConfig, SlotConfig, with_module
 from ..hardware.contract import Shape
+from ..hardware.modules import DEFAULT_MODULE, Module
 from ..hardware.motion.contract import MotionRegisters
 from .config import RunConfig
 from .rct.config import RctConfig
 from .rct.presets import PRESETS as RCT_PRESETS
 
-__all__ = ["AUTO", "AUTO_PAPER", "FOLLOWING", "PRESETS", "fit", "for_sensor", "preset", "run_config"]
+__all__ = ["AUTO", "FOLLOWING", "MOTION", "PRESETS", "fit", "for_sensor", "preset", "presets_of", "run_config"]
 
-# Beside presets: read off a recording, see `auto_registers`.
-AUTO = "auto"  # the array with motion; as a tracker's preset `FOLLOWING`, which reads nothing ahead
-AUTO_PAPER = "auto-paper"  # the array without it, whose windows are squares of one initial size
+AUTO = "auto"  # settings estimated from the stream: as a tracker's preset `FOLLOWING`, of a whole run `auto.auto_config`
 
 
 def _paper(name: str, n_ev: int, max_ticks: int) -> RunConfig:
@@ -103,25 +102,27 @@ def _discs() -> RunConfig:
     return RunConfig("discs", CotConfig.uniform(Shape(), slot), RCT_PRESETS["discs"], FilterConfig(refractory_us=500))
 
 
-def _motion() -> RunConfig:
-    """Objects of any size that move: the extended contract (docs/motion.md).
-
-    The registers that differ from those after a reset were found by a search over many kinds of scenes (docs/defaults.md).
-    """
-    registers = MotionRegisters(
-        enable=1, step_log2=12, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, friction=5, coast_slow=2, nev_high=325,
+# Those that differ from the reset values were found by a search over many kinds of scenes (docs/defaults.md).
+_REGISTERS = MotionRegisters(
+        step_log2=12, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, friction=5, coast_slow=2, nev_high=325,
         ring_max=21, ring_any=2, elongation=3, detect_ticks=7_521, life_log2=2, life_ticks=40_000, coast_ticks=93_951,
         return_ticks=500_000, birth_support=260, birth_px=2, birth_ticks=12_000, birth_travel=2, gap_corrections=15,
         gap_share=9, gap_px=3, join_steps=2, join_px=3, report_steps=1,
     )  # fmt: skip
-    cot = CotConfig(Shape(n_slots=16), motion=registers)
-    filters = FilterConfig(refractory_us=1_000, activity_us=10_000)
-    return RunConfig("motion", cot, filters=filters, software="auto", software_filters=FilterConfig())
 
+MOTION = RunConfig(
+    "motion",
+    MotionConfig(Shape(n_slots=16), _REGISTERS),
+    filters=FilterConfig(refractory_us=1_000, activity_us=10_000),
+    software="adaptive",
+    software_filters=FilterConfig(),
+)
+"""The default: objects of any size that move (docs/motion.md)."""
 
 PRESETS: dict[str, RunConfig] = {
     config.name: config
     for config in (
+        MOTION,
         _paper("slow", 8, 20),
         _paper("fast", 3, 7),
         _paper("fast5", 5, 7),
@@ -131,17 +132,16 @@ PRESETS: dict[str, RunConfig] = {
         _sensor("hd", 32, 48, 10_000),
         _traffic(),
         _discs(),
-        _motion(),
     )
 }
 
 FOLLOWING = replace(
-    PRESETS["motion"],
+    MOTION,
     name=AUTO,
-    cot=CotConfig(Shape(n_slots=32), motion=PRESETS["motion"].cot.motion),
-    filters=replace(PRESETS["motion"].filters, activity_us=40_000, activity_noise_hz=0.03),
+    hardware=MotionConfig(Shape(n_slots=32), _REGISTERS),
+    filters=replace(MOTION.filters, activity_us=40_000, activity_noise_hz=0.03),
 )
-"""The array with motion on any recording or live stream: its filters follow the noise, all else follows the objects."""
+"""cot_motion on any recording or live stream: its noise filter follows the noise, all else follows the objects."""
 
 # Maximum sensor width for each preset.
 _WIDTHS = {"dvs128": 128, "davis346": 346, "vga": 640, "hd": 1280}
@@ -159,22 +159,44 @@ def preset(name: str) -> RunConfig:
 
 
 def for_sensor(width: int) -> RunConfig:
-    """The preset for a sensor of this width: the first that is wide enough, else the widest."""
+    """The preset of cot_array for a sensor of this width: the first that is wide enough, else the widest."""
     return PRESETS[next((name for name, widest in _WIDTHS.items() if width <= widest), "hd")]
 
 
-def run_config(width: int, height: int, name: str | None = None, n_slots: int | None = None) -> RunConfig:
+def presets_of(module: Module) -> dict[str, RunConfig]:
+    """name -> preset, of those that configure a module; a single `cot` has one slot and no filters."""
+    if module == "cot_motion":
+        return {AUTO: FOLLOWING, MOTION.name: MOTION}
+    return {name: _for_module(config, module) for name, config in PRESETS.items() if config is not MOTION}
+
+
+def _for_module(config: RunConfig, module: str) -> RunConfig:
+    filters = FilterConfig() if module == "cot" else config.filters
+    return replace(config, hardware=with_module(config.hardware, module), filters=filters)
+
+
+def run_config(
+    width: int, height: int, name: str | None = None, n_slots: int | None = None, *, hardware: str | None = None
+) -> RunConfig:
     """The configuration of a co-simulation for a sensor.
 
     Args:
         width, height: of the sensor, in pixels.
-        name: of a preset; None: the one for such a sensor.
+        name: of a preset; None: `motion` for cot_motion, the one for such a sensor for the other modules.
         n_slots: number of tracker slots; None: the preset's.
+        hardware: the module; None: the preset's, without a preset cot_motion.
 
     Raises:
-        ConfigError: no such preset, or a number of slots outside its range.
+        ConfigError: no such preset or module, a preset of another module, or a number of slots outside its range.
     """
-    return fit(preset(name) if name else for_sensor(width), width, height, n_slots)
+    by_default = MOTION if hardware in (None, DEFAULT_MODULE) else for_sensor(width)
+    chosen = by_default if name is None else preset(name)
+    if hardware is not None:
+        try:
+            chosen = _for_module(chosen, hardware)
+        except ConfigError as error:
+            raise ConfigError(f"{error} with preset {chosen.name}" if name else str(error)) from error
+    return fit(chosen, width, height, n_slots)
 
 
 def fit(config: RunConfig, width: int, height: int, n_slots: int | None = None) -> RunConfig:
@@ -182,11 +204,14 @@ def fit(config: RunConfig, width: int, height: int, n_slots: int | None = None) 
 
     Added slots repeat the last one's registers.
     """
-    cot = config.cot
-    n = cot.shape.n_slots if n_slots is None else n_slots
-    shape = replace(cot.shape, x_w=_bits(width), y_w=_bits(height), n_slots=n)
-    slots = (cot.slots + cot.slots[-1:] * n)[:n]
-    return replace(config, cot=CotConfig(shape, slots, cot.tick_us, motion=cot.motion))
+    own = config.hardware
+    n = own.shape.n_slots if n_slots is None else n_slots
+    shape = replace(own.shape, x_w=_bits(width), y_w=_bits(height), n_slots=n)
+    if isinstance(own, MotionConfig):
+        fitted: CotConfig | MotionConfig = replace(own, shape=shape, modes=(own.modes + own.modes[-1:] * n)[:n])
+    else:
+        fitted = replace(own, shape=shape, slots=(own.slots + own.slots[-1:] * n)[:n])
+    return replace(config, hardware=fitted, sensor=(width, height))
 
 
 def _bits(size: int) -> int:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ..tracks.tracking import FilteredTracker, Tracker
-from .auto.estimates import ObservedTracker
+from .adaptive.estimates import ObservedTracker
 from .following import FollowingTracker
 
 __all__ = ["seen_by"]

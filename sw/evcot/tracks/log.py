@@ -26,7 +26,7 @@ class TrackLog:
     """Births, moves, merges and losses of all tracks, and the owner of each event.
 
     Attributes:
-        engine: name of the engine that wrote it, such as "auto" or "rct"; "cot-model" or "cot-rtl" for golden model and RTL.
+        engine: name of the engine that wrote it, such as "rct"; the module, such as "cot_motion", for RTL and golden model.
         records: (m,) of dtype `TRACK`, in chronological order. `kind` is a `Kind`. `event_index` is
             the event that caused the record; for LOST, which is caused by a timeout, the next event, so that all records with
             event_index <= i give the state after event i. `other_id` is the survivor of a MERGED track, else -1.

@@ -21,7 +21,7 @@ def test_bench_measures_every_engine_and_the_hardware(capsys: Capture, tmp_path:
     events = json.loads(capsys.readouterr().out)["events"]
     assert main(["bench", "boxes.npz", "--json"]) == 0
     rates = {rate["what"]: rate for rate in json.loads(capsys.readouterr().out)}
-    wanted = {"reading", "activity filter", "rct, plain", "golden model", "cot_array", "cot_array, checked against the model"}
+    wanted = {"reading", "activity filter", "rct, plain", "golden model", "cot_motion", "cot_motion, checked against the model"}
     assert wanted <= rates.keys()
     for rate in rates.values():
         assert rate["events"] == events

@@ -99,7 +99,7 @@ def test_fish_has_every_command_option_and_value(capsys: Capture) -> None:
         for option in (option for action in one._actions for option in action.option_strings if option.startswith("--")):
             assert any(f" -l {option.removeprefix('--')} " in line for line in own), (name, option)
     (engine,) = (line for line in lines if "_from track'" in line and "-l engine " in line)
-    assert " -x -a 'auto " in engine
+    assert " -x -a 'cot_motion " in engine
     assert all(line.count("'") % 2 == line.count("\\'") % 2 for line in lines)
 
 

@@ -133,7 +133,7 @@ def run_folder(digest: str = "0123456789abcdef", of_model: str = "") -> Path:
     folder = Path("run")
     folder.mkdir()
     config = RunConfig()
-    write_run_file(folder / "run.toml", RunFile(Source("drive.npz"), "cot_array", None, digest, config))
+    write_run_file(folder / "run.toml", RunFile(Source("drive.npz"), None, digest, config))
     log = TrackLog.load_npz("software.npz")
     for name, records, of in (
         ("hardware", log.records, digest), ("model", log.records[:250], of_model or digest), ("software", log.records, ""),

@@ -13,8 +13,8 @@ import pytest
 from evcot.events import Recording
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.auto.estimates import estimate
-from evcot.trackers.auto_registers import auto_config, told
+from evcot.trackers.adaptive.estimates import estimate
+from evcot.trackers.auto import auto_config, summary_line
 from evcot.trackers.config import RunConfig, load_toml
 from evcot_cosim.cli import main, parser
 from evcot_cosim.commands.actions import job
@@ -46,8 +46,8 @@ def test_a_recording_is_looked_at(discs: Path, tmp_path: Path, capsys: pytest.Ca
     printed = Printed(capsys, tmp_path, str(discs))
     assert seen.objects is not None
     assert printed.config == auto_config(seen)
-    assert printed.err == f"{told(seen, printed.config)}\n"
-    assert f"# {told(seen, printed.config)}\n" in printed.text
+    assert printed.err == f"{summary_line(seen, printed.config)}\n"
+    assert f"# {summary_line(seen, printed.config)}\n" in printed.text
     assert Printed(capsys, tmp_path, str(discs), "--preset", "auto").text == printed.text
     assert Printed(capsys, tmp_path, str(discs), "-q").err == ""
 
@@ -56,7 +56,7 @@ def test_the_printed_run_is_repeated_without_a_look(discs: Path, tmp_path: Path,
     first = Printed(capsys, tmp_path, str(discs), "--slots", "5")
     again = Printed(capsys, tmp_path, "--config", str(tmp_path / "printed.toml"))
     assert (again.config, again.err) == (first.config, "")
-    assert again.config.cot.shape.n_slots == 5
+    assert again.config.hardware.shape.n_slots == 5
 
 
 def test_each_choice_can_be_changed_alone(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -64,55 +64,67 @@ def test_each_choice_can_be_changed_alone(discs: Path, tmp_path: Path, capsys: p
     filtered = Printed(capsys, tmp_path, str(discs), "--activity", "7").config
     assert filtered.filters.activity_us == filtered.in_front_of_software.activity_us == 7_000
     assert filtered.filters.refractory_us == plain.filters.refractory_us > 0
-    assert filtered.cot == plain.cot
+    assert filtered.hardware == plain.hardware
     mine = tmp_path / "mine.toml"
-    mine.write_text("[motion]\nbirth_support = 123\n[auto]\ncoast = 2.0\n")
+    mine.write_text("[motion]\nbirth_support = 123\n[adaptive]\ncoast = 2.0\n")
     changed = Printed(capsys, tmp_path, str(discs), "--config", str(mine)).config
-    assert changed.cot.motion == replace(plain.cot.motion, birth_support=123)
-    assert changed.auto.coast == 2.0
+    assert changed.hardware.registers == replace(plain.hardware.registers, birth_support=123)
+    assert changed.adaptive.coast == 2.0
     assert changed.filters == plain.filters
 
 
-@pytest.mark.parametrize("text", ["[cot]\nmax_ticks = 1234\n", "[[slot]]\nmax_ticks = 1234\n", "[motion]\nenable = 0\n"])
-def test_a_file_with_registers_of_slots_is_about_the_array_without_motion(
+@pytest.mark.parametrize("text", ["[cot]\nmax_ticks = 1234\n", "[[slot]]\nmax_ticks = 1234\n", 'hardware = "cot_array"\n'])
+def test_a_file_of_cot_array_changes_the_preset_for_the_sensor(
     discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
 ) -> None:
     mine = tmp_path / "mine.toml"
     mine.write_text(text)
-    paper = Printed(capsys, tmp_path, str(discs), "--preset", "auto-paper").config
+    plain = Printed(capsys, tmp_path, str(discs), "--hardware", "cot_array").config
     changed = Printed(capsys, tmp_path, str(discs), "--config", str(mine)).config
-    assert Printed(capsys, tmp_path, str(discs), "--preset", "auto", "--config", str(mine)).config == changed
-    slots = paper.cot.slots
+    slots = plain.hardware.slots
     if "max_ticks" in text:
         changes = len(slots) if "[cot]" in text else 1
         slots = tuple(replace(slot, max_ticks=1234) if i < changes else slot for i, slot in enumerate(slots))
-    assert changed == replace(paper, cot=replace(paper.cot, slots=slots))
+    assert changed == replace(plain, hardware=replace(plain.hardware, slots=slots))
+    assert main(["cosim", str(discs), "--preset", "auto", "--config", str(mine)]) == 2
+    assert "--preset auto: must not be given with --hardware cot_array" in capsys.readouterr().err
 
 
-def test_a_file_with_the_unit_of_time_alone_leaves_motion(
-    discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    mine = tmp_path / "mine.toml"
-    mine.write_text("[cot]\ntick_us = 2\n")
-    assert Printed(capsys, tmp_path, str(discs), "--config", str(mine)).config.cot.motion.enable == 1
-
-
-@pytest.mark.parametrize("hardware", ["cot", "cot_chain"])
-def test_a_module_without_motion_gets_registers_without_it(
+@pytest.mark.parametrize("hardware", ["cot", "cot_chain", "cot_array"])
+def test_other_modules_get_the_preset_for_the_sensor(
     discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], hardware: str
 ) -> None:
     config = Printed(capsys, tmp_path, str(discs), "--hardware", hardware).config
-    assert (config.name, config.cot.motion.enable) == ("auto-paper", 0)
+    assert (config.name, config.hardware.module) == ("davis346", hardware)
 
 
-@pytest.mark.parametrize("options", [("--preset", "davis346"), ()])
-def test_presets_and_the_box_experiment_stay(
-    discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...]
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--hardware cot_motion --preset traffic", "hardware = 'cot_motion': these registers are those of cot, cot_chain and"),
+        ("--hardware cot_array --preset motion", "hardware = 'cot_array': these registers are those of cot_motion with preset"),
+        ("--hardware cot_chain --preset auto", "--preset auto: must not be given with --hardware cot_chain"),
+        ("--hardware cot --slots 2", "shape.n_slots = 2: must be 1 for a single tracker"),
+    ],
+)
+def test_a_preset_of_other_hardware_is_refused(
+    discs: Path, capsys: pytest.CaptureFixture[str], options: str, message: str
 ) -> None:
-    printed = Printed(capsys, tmp_path, *([str(discs), *options] if options else []))
+    assert main(["cosim", str(discs), "--print-config", *options.split()]) == 2
+    assert message in (said := capsys.readouterr().err)
+    assert said.count("\n") == 1
+
+
+def test_a_preset_stays_as_it_is(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    printed = Printed(capsys, tmp_path, str(discs), "--preset", "davis346")
     assert (printed.config.software, printed.config.name, printed.err) == ("rct", "davis346", "")
     assert "rct" in printed.tables
-    assert "auto" not in printed.tables
+    assert "adaptive" not in printed.tables
+
+
+def test_the_box_experiment_is_run_by_the_default(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    printed = Printed(capsys, tmp_path)
+    assert (printed.config.hardware.module, printed.config.name, printed.err) == ("cot_motion", "motion", "")
 
 
 def test_too_short_a_recording_says_that_none_was_seen(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -120,8 +132,8 @@ def test_too_short_a_recording_says_that_none_was_seen(discs: Path, tmp_path: Pa
     path = tmp_path / "short.npz"
     write_recording(Recording(recording.events[:50], 346, 260, "short"), path)
     printed = Printed(capsys, tmp_path, str(path))
-    assert "no object seen for long enough -> 8 slots with motion" in printed.err
-    assert printed.config.software == "auto"
+    assert "no object seen for long enough -> cot_motion with 8 slots" in printed.err
+    assert printed.config.software == "adaptive"
 
 
 def test_a_long_recording_is_looked_at_by_kernels_that_another_process_compiled(

@@ -81,7 +81,7 @@ def test_a_terminal_sees_why_it_waits_for_the_first_event(source: Path) -> None:
     ours, theirs = pty.openpty()
     subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, check=True)
     os.close(theirs)
-    assert "preparing cot (compiled the first time, up to a minute)" in os.read(ours, 100_000).decode()
+    assert "preparing cot_motion (compiled the first time, up to a minute)" in os.read(ours, 100_000).decode()
     os.close(ours)
 
 
@@ -142,10 +142,10 @@ def test_an_open_page_may_see_a_file_again_after_its_end(source: Path) -> None:
                 pass
             assert told["length_s"] == pytest.approx(DURATION_US / 1e6, rel=0.05)
             assert told["place_s"] == told["length_s"]
-            wish = {"type": "play", "engine": "cot", "preset": None, "hardware": True, "at_s": 0.2}
+            wish = {"type": "play", "engine": "cot_motion", "preset": None, "hardware": True, "at_s": 0.2}
             connection.send(json.dumps(wish))
             hello = next_text("hello")
-            assert (hello["engine"], hello["lanes"]) == ("cot", ["cot", "hardware"])
+            assert (hello["engine"], hello["lanes"]) == ("cot_motion", ["cot_motion", "hardware"])
             while (told := next_text("figures"))["running"]:
                 pass
             assert told["recording_s"] == pytest.approx(0.2, abs=0.03)
@@ -189,7 +189,7 @@ def test_hardware_runs_beside_the_engine(source: Path, capsys: pytest.CaptureFix
     (beside,) = summary["beside"]  # type: ignore[misc]
     assert beside["name"] == "hardware"
     assert beside["tracks"] > 0
-    assert TrackLog.load_npz("a.npz").engine == "cot"
+    assert TrackLog.load_npz("a.npz").engine == "cot_motion"
 
 
 def test_a_killed_run_loses_less_than_the_last_second(source: Path) -> None:

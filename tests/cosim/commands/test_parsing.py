@@ -269,7 +269,7 @@ def test_a_device_stays_a_device_and_a_link_a_link(capsys: Capture) -> None:
     assert os.stat("/dev/null").st_ino == before.st_ino
     assert Path("/dev/null").is_char_device()
     assert Path("link").is_symlink()
-    assert TrackLog.load_npz("target.npz").engine == "cot"
+    assert TrackLog.load_npz("target.npz").engine == "cot_motion"
     assert main(["track", "drive.npz", "--quiet", "-o", "link"]) == 2
     assert main(["track", "drive.npz", "--quiet", "-o", "link", "--force"]) == 0
     assert Path("link").is_symlink()

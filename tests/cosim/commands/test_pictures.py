@@ -41,7 +41,7 @@ def folder(discs: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         log.save_npz(f"run/{name}.npz")
     config: RunConfig = fit(preset("davis346"), discs.width, discs.height)
     sensor = {"width": discs.width, "height": discs.height}
-    run = RunFile(Source("discs.npz", **sensor), "cot_array", None, digest(discs.events), config)
+    run = RunFile(Source("discs.npz", **sensor), None, digest(discs.events), config)
     write_run_file(Path("run/run.toml"), run)
     return tmp_path
 

@@ -67,13 +67,13 @@ def test_further_engines_stand_beside_hardware_and_software(made: Path, folder: 
     assert main(["report", str(made / "run"), "k.npz", str(made / "log.npz"), "-o", "all.html", "-q"]) == 0
     text = Path("all.html").read_text()
     facts = json.loads(text.partition('id="facts">')[2].partition("</script>")[0])
-    assert [side["name"] for side in facts["sides"]] == ["hardware", "software", "frames", "cot", "truth"]
+    assert [side["name"] for side in facts["sides"]] == ["hardware", "software", "frames", "cot_motion", "truth"]
     looks = [side["look"] for side in facts["sides"]]
     assert len(set(looks)) == 5
-    assert "The same for software, frames, cot" in text
+    assert "The same for software, frames, cot_motion" in text
     assert main(["report", "k.npz", str(made / "log.npz"), "--recording", str(made / "b.aedat4"), "-o", "logs.html", "-q"]) == 0
     names = json.loads(Path("logs.html").read_text().partition('id="facts">')[2].partition("</script>")[0])["sides"]
-    assert [side["name"] for side in names] == ["frames", "cot", "truth"]
+    assert [side["name"] for side in names] == ["frames", "cot_motion", "truth"]
 
 
 def test_two_runs_are_compared(made: Path, folder: Path, capsys: Capture) -> None:

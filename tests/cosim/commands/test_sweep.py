@@ -221,14 +221,25 @@ def test_settings_are_chosen_on_some_recordings_and_validated_on_others(made: Pa
 
 @pytest.mark.usefixtures("in_this_process")
 def test_the_time_of_one_recording_is_divided(made: Path, capsys: Capture) -> None:
-    arguments = ["--engine", "cot", "--preset", "discs", "--field", "cot.init_radix=8,10", "--samples", "3", "--jobs", "1"]
+    arguments = [
+        "--engine",
+        "cot_array",
+        "--preset",
+        "discs",
+        "--field",
+        "cot.init_radix=8,10",
+        "--samples",
+        "3",
+        "--jobs",
+        "1",
+    ]
     assert main(["tune", "data/discs2.npz", *arguments, "--validate", "0.5", "-o", "cot.toml"]) == 0
     printed = capsys.readouterr().out
     assert "validated on" in printed
     assert "Expect what the validation says" in printed
     values = tomllib.loads((made / "cot.toml").read_text())
     assert "x_w" not in values["shape"], "it follows the sensor"
-    assert main(["track", "data/discs3.npz", "--engine", "cot", "--config", "cot.toml", "-o", "log.npz", "-q"]) == 0
+    assert main(["track", "data/discs3.npz", "--engine", "cot_array", "--config", "cot.toml", "-o", "log.npz", "-q"]) == 0
 
 
 def test_what_is_shipped_can_be_read() -> None:

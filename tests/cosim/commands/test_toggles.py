@@ -22,9 +22,10 @@ def inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_array_and_chain_on_the_same_events_and_the_arrays_saif(capsys: Capture) -> None:
-    assert main(["toggles", "boxes", "--to", "2", "--beside", "cot_chain", "--saif", "array.saif", "--json"]) == 0
+    words = ["--hardware", "cot_array", "--beside", "cot_chain", "--saif", "array.saif", "--json"]
+    assert main(["toggles", "boxes", "--to", "2", *words]) == 0
     array, chain = json.loads(capsys.readouterr().out)
-    assert (array["top"], chain["top"]) == ("cot_array", "cot_chain")
+    assert (array["module"], chain["module"]) == ("cot_array", "cot_chain")
     assert array["n_events"] == chain["n_events"] > 100
     assert array["n_clocks"] < chain["n_clocks"]  # 3 an event
     for one in (array, chain):
@@ -41,7 +42,7 @@ def test_array_and_chain_on_the_same_events_and_the_arrays_saif(capsys: Capture)
 
 
 def test_the_table_ends_in_sums_and_clocks(capsys: Capture) -> None:
-    assert main(["toggles", "boxes", "--to", "2"]) == 0
+    assert main(["toggles", "boxes", "--hardware", "cot_array", "--to", "2"]) == 0
     *rows, whole, clocks = capsys.readouterr().out.splitlines()
     assert rows[0].split("  ")[0] == "hardware"
     assert re.match(r"cot_array  all  +[\d,]+ +\d+\.\d +[\d,]+ +\d+\.\d$", whole)
@@ -70,7 +71,7 @@ def test_memories_too_large_for_a_waveform_are_named(capsys: Capture) -> None:
 )
 def test_what_cannot_be_counted_is_refused_in_one_line(words: list[str], message: str, capsys: Capture) -> None:
     Path("there.saif").write_text("mine")
-    assert main(["toggles", "boxes", *words]) == 2
+    assert main(["toggles", "boxes", "--hardware", "cot_array", *words]) == 2
     told = capsys.readouterr()
     assert re.match(message, told.err), told.err
     assert (told.out, told.err.count("\n")) == ("", 1)

@@ -14,11 +14,10 @@ import pytest
 import evcot
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import apply
-from evcot.hardware.cot import track as cot_track
+from evcot.hardware.golden import track as cot_track
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.auto.estimates import estimate
-from evcot.trackers.auto_registers import auto_config, told
+from evcot.trackers.adaptive.estimates import estimate
 from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import FOLLOWING, fit, preset
@@ -55,7 +54,7 @@ def assert_same(got: TrackLog, wanted: TrackLog) -> None:
 
 
 @pytest.mark.usefixtures("kernels")
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", sorted(ENGINES.keys() - {"cot"}))  # a single tracker follows one of four
 def test_every_engine_follows_the_discs(source: Path, engine: str) -> None:
     log = tracked(source, "--engine", engine)
     assert log.engine == engine
@@ -65,20 +64,20 @@ def test_every_engine_follows_the_discs(source: Path, engine: str) -> None:
 
 def test_the_default_is_the_hardware_s_model_behind_filters_that_follow_the_noise(source: Path) -> None:
     log = tracked(source)
-    assert log.engine == "cot"
-    tracker = ENGINES["cot"].start(FOLLOWING, FOLLOWING.filters, (346, 260))
+    assert log.engine == "cot_motion"
+    tracker = ENGINES["cot_motion"].start(FOLLOWING, FOLLOWING.filters, (346, 260))
     recording = read_recording(source)
-    assert_same(log, log_of("cot", tracker, [recording.events]))
+    assert_same(log, log_of("cot_motion", tracker, [recording.events]))
     assert_same(log, evcot.track(recording))
-    assert_same(log, tracked(source, "--engine", "cot", "--preset", "auto"))
+    assert_same(log, tracked(source, "--engine", "cot_motion", "--preset", "auto"))
 
 
 def test_it_says_what_it_saw_unless_asked_to_be_quiet(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["track", str(source), "--json"]) == 0
     said = capsys.readouterr()
     assert re.fullmatch(r"auto: 346x260, 0.2 s, noise [0-9.]+ Hz/pixel, 0 hot pixels, .* -> at the end an event .*\n", said.err)
-    assert json.loads(said.out)["engine"] == "cot"
-    assert main(["track", str(source), "--json", "--engine", "auto"]) == 0
+    assert json.loads(said.out)["engine"] == "cot_motion"
+    assert main(["track", str(source), "--json", "--engine", "adaptive"]) == 0
     assert capsys.readouterr().err == f"{estimate([read_recording(source).events], (346, 260))}\n"
     for quiet in (["-q"], ["--json", "--engine", "rct"]):
         assert main(["track", str(source), *quiet]) == 0
@@ -96,21 +95,22 @@ def test_settings_come_from_the_preset_then_the_file_then_the_options(source: Pa
 def test_the_hardware_s_model_takes_a_preset_of_the_hardware(source: Path) -> None:
     recording = read_recording(source)
     config: RunConfig = fit(preset("davis346"), recording.width, recording.height)
-    log = tracked(source, "--engine", "cot", "--preset", "davis346")
-    assert_same(log, cot_track(recording, config.cot))
+    log = tracked(source, "--engine", "cot_array", "--preset", "davis346")
+    assert_same(log, cot_track(recording, config.hardware))
 
 
 def test_a_file_with_registers_of_slots_is_on_top_of_the_preset_for_the_sensor(source: Path) -> None:
     Path("slots.toml").write_text("[cot]\nmax_ticks = 12_000\n")
     config = load_toml(Path("slots.toml"), fit(preset("davis346"), 346, 260))
-    assert_same(tracked(source, "--engine", "cot", "--config", "slots.toml"), cot_track(read_recording(source), config.cot))
+    log = tracked(source, "--engine", "cot_array", "--config", "slots.toml")
+    assert_same(log, cot_track(read_recording(source), config.hardware))
 
 
 def test_single_registers_of_motion_can_be_changed(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tracked(source, "--set", "birth_support=150", "--set", "seed_px=5")
     assert_same(log, evcot.track(source, birth_support=150, seed_px=5))
     assert not np.array_equal(log.records, tracked(source).records)
-    assert main(["track", str(source), "--preset", "dvs128", "--set", "seed_px=5"]) == 2
+    assert main(["track", str(source), "--engine", "cot_array", "--preset", "dvs128", "--set", "seed_px=5"]) == 2
     assert "preset dvs128: no single setting can be changed: its slots have registers" in capsys.readouterr().err
 
 
@@ -123,29 +123,7 @@ def test_filters_that_are_given_follow_nothing(source: Path) -> None:
     assert np.array_equal(without.owner == -2, ~apply(recording, FilterConfig(refractory_us=1_000))[1])
 
 
-def test_the_hardware_s_model_takes_registers_by_what_is_seen(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    name = "auto-paper"
-    recording = read_recording(source)
-    seen = estimate([recording.events], (346, 260))
-    config = auto_config(seen, name)
-    log = tracked(source, "--engine", "cot", "--preset", name)
-    assert capsys.readouterr().err == ""  # with -q
-    model = ENGINES["cot"].start(config, config.filters, (346, 260))
-    records, owner = model.feed(recording.events)
-    assert np.array_equal(log.records, np.concatenate((records, model.finish())))
-    assert np.array_equal(log.owner, owner)
-    assert_same(evcot.track(source, "cot", name), log)
-    assert main(["track", str(source), "--engine", "cot", "--preset", name]) == 0
-    assert told(seen, config) in capsys.readouterr().err.splitlines()
-
-
-def test_nothing_is_seen_for_registers_before_a_stream_begins(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["live", str(source), "--engine", "cot", "--preset", "auto-paper"]) == 2
-    assert "--preset auto-paper: must be one of auto, slow, " in (said := capsys.readouterr().err)
-    assert said.count("\n") == 1
-
-
-@pytest.mark.parametrize("engine", [("rct",), ("cot", "--preset", "davis346")])
+@pytest.mark.parametrize("engine", [("rct",), ("cot_array", "--preset", "davis346")])
 def test_filters_go_in_front_of_any_engine(source: Path, engine: tuple[str, ...]) -> None:
     recording = read_recording(source)
     _, keep = apply(recording, FilterConfig(activity_us=2_000))
@@ -219,12 +197,12 @@ def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.Capt
             "--preset x: must be one of discs, discs-frames, traffic, traffic-frames with --engine mean-shift",
         ),
         ("--engine frames --preset disc", "--preset disc: must be one of discs, traffic with --engine frames"),
-        ("--engine cot --preset plain", "--preset plain: must be one of auto, slow"),
+        ("--engine cot_array --preset plain", "--preset plain: must be one of slow"),
         ("--set radius", "--set radius: must be KEY=VALUE with a key among max_clusters"),
         ("--set radium=3", "--set radium=3: must be KEY=VALUE with a key among max_clusters"),
         ("--set radius_px=wide", "rct.radius_px = 'wide': must be a number"),
         ("--set radius_px=-1", "rct.radius_px = -1.0: must be from "),
-        ("--engine cot --set init_radix=3", "--set init_radix=3: must be KEY=VALUE with a key among step_log2"),
+        ("--engine cot_motion --set init_radix=3", "--set init_radix=3: must be KEY=VALUE with a key among step_log2"),
         ("--config none.toml", "none.toml: cannot be read: No such file"),
         ("--config wrong.toml", "wrong.toml: top level: unknown field 'cot': must be one of filters, rct"),
         ("--config bad.toml", "bad.toml: [rct]: unknown field 'radix': must be one of "),

@@ -18,7 +18,7 @@ from evcot_cosim.waves import Wave
 
 Capture = pytest.CaptureFixture[str]
 RUN = "build/cosim/boxes"
-SCENE = ("boxes", "--preset", "auto-paper", "--to", "500", "--stalls", "4")
+SCENE = ("boxes", "--preset", "davis346", "--to", "500", "--stalls", "4")
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,14 +18,16 @@ from evcot.errors import ConfigError, OutputError, RecordingError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
-from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.hardware.cot import CotModel
+from evcot.hardware.golden import golden_model
+from evcot.hardware.model import Decisions
+from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents
 from evcot.trackers.presets import run_config
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import HardwareError, Stalls
-from evcot_cosim.devices.device import Device, _order_of, arrangement_of
+from evcot_cosim.devices.device import Device, _order_of
 from evcot_cosim.lockstep.lockstep import Lockstep
-from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
 from support.ticked import ticked
@@ -36,12 +38,12 @@ SLOT = SlotConfig(
     init_radix=5, radix_th=2, radix_min=4, radix_max=9, hist_avg=1, max_ticks=60,
     clust_nev=2, nev_min=1, nev_max=4, nev_th=2, detect_ticks=30,
 )  # fmt: skip
-TOPS: tuple[Top, ...] = get_args(Top)
+TOPS: tuple[Module, ...] = ("cot", "cot_chain", "cot_array")
 PATHS = [str(Path(__file__).parent), str(Path(__file__).parents[2])]  # for a process that imports this module
 
 
-def config_of(top: Top, slot: SlotConfig = SLOT) -> CotConfig:
-    return CotConfig.uniform(replace(SHAPE, n_slots=1) if top == "cot" else SHAPE, slot)
+def config_of(top: Module, slot: SlotConfig = SLOT) -> CotConfig:
+    return CotConfig.uniform(replace(SHAPE, n_slots=1) if top == "cot" else SHAPE, slot, module=top)
 
 
 def traffic(n: int, seed: int = 1) -> TickedEvents:
@@ -91,7 +93,7 @@ class TestStalls:
 
 class TestStream:
     @pytest.mark.parametrize("top", TOPS)
-    def test_it_does_not_matter_where_the_events_are_cut(self, top: Top) -> None:
+    def test_it_does_not_matter_where_the_events_are_cut(self, top: Module) -> None:
         events = traffic(3000)
         whole = bare_device(config_of(top)).stream(events)
         pieces = bare_device(config_of(top))
@@ -113,14 +115,14 @@ class TestStream:
         assert same(result, CotModel(config_of("cot_array", slot)).feed(events))
 
     @pytest.mark.parametrize("top", TOPS)
-    def test_numbers_and_times_are_whole_however_narrow_the_hardware_counts(self, top: Top) -> None:
+    def test_numbers_and_times_are_whole_however_narrow_the_hardware_counts(self, top: Module) -> None:
         config = config_of(top)
         narrow = replace(config, shape=replace(config.shape, seq_w=8, time_w=18))
         events = replace(traffic(20_000), ticks=np.arange(20_000) * 14)
-        result = bare_device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(events)
+        result = bare_device(narrow, stalls=Stalls.random(np.random.default_rng(2))).stream(events)
         assert result.records["seq"].max() > 2**8
         assert result.records["time"].max() > 2**18
-        assert same(result, CotModel(narrow, bare_device(config, top).arrangement).feed(events))
+        assert same(result, CotModel(narrow).feed(events))
 
     def test_reset_begins_again(self) -> None:
         device = bare_device(config_of("cot_array"))
@@ -164,7 +166,7 @@ class TestStream:
         assert same(joined([first, one.stream(parts[1])]), bare_device(config_of("cot_array")).stream(traffic(2000)))
 
     @pytest.mark.parametrize("top", TOPS)
-    def test_timing_changes_nothing(self, top: Top) -> None:
+    def test_timing_changes_nothing(self, top: Module) -> None:
         events = traffic(2000)
         result, times = bare_device(config_of(top)).stream_timed(events)
         assert same(result, bare_device(config_of(top)).stream(events))
@@ -183,10 +185,10 @@ class TestStream:
 
 
 @pytest.mark.parametrize("top", TOPS)
-def test_writes_of_a_slot_in_a_row_are_finished_one_after_the_other(top: Top) -> None:
+def test_writes_of_a_slot_in_a_row_are_finished_one_after_the_other(top: Module) -> None:
     """Of the first write only what it ends is left; its restart does not mix with the registers of the second."""
     rng, config = np.random.default_rng(8), config_of(top)
-    device, model, ended = bare_device(config, top), CotModel(config, arrangement_of(top)), 0
+    device, model, ended = bare_device(config), CotModel(config), 0
     for part in cut(traffic(3_000, 9), *range(100, 3_000, 100)):
         said = []
         for _ in range(int(rng.integers(1, 5))):
@@ -202,21 +204,13 @@ def test_writes_of_a_slot_in_a_row_are_finished_one_after_the_other(top: Top) ->
 
 def test_a_single_tracker_has_one_slot() -> None:
     with pytest.raises(ConfigError, match=r"shape\.n_slots = 2: must be 1 for a single tracker"):
-        bare_device(config_of("cot_array"), "cot")
-
-
-def test_what_the_model_must_be() -> None:
-    assert [bare_device(config_of(top), top).arrangement for top in TOPS] == [
-        Arrangement.CHAIN,
-        Arrangement.CHAIN,
-        Arrangement.ARRAY,
-    ]
+        replace(config_of("cot_array"), module="cot")
 
 
 def interactive(device: Device, events: TickedEvents, pattern: str) -> Decisions:
     """The same events poked in and their decisions peeked out, port by port, clock by clock."""
     rng = np.random.default_rng(9)
-    single = device.top == "cot"
+    single = device.config.module == "cot"
     slot = [] if single else ["slot"]
     tick_max = (1 << device.shape.tick_w) - 1
     tokens: list[tuple[int, ...]] = []
@@ -246,12 +240,12 @@ def interactive(device: Device, events: TickedEvents, pattern: str) -> Decisions
     through = [word for word in passed.words if not single or word[4]]
     left = np.flatnonzero(owner == -1)
     assert [word[:4] for word in through] == [(int(i), int(events.x[i]), int(events.y[i]), int(events.p[i])) for i in left]
-    return Decisions(records[_order_of(records)] if device.top == "cot_chain" else records, owner, rel_x, rel_y)
+    return Decisions(records[_order_of(records)] if device.config.module == "cot_chain" else records, owner, rel_x, rel_y)
 
 
 @pytest.mark.parametrize("pattern", PATTERNS)
 @pytest.mark.parametrize("top", TOPS)
-def test_interactive_and_streaming_drive_give_the_same(top: Top, pattern: str) -> None:
+def test_interactive_and_streaming_drive_give_the_same(top: Module, pattern: str) -> None:
     events = traffic(300, seed=5)
     streamed = bare_device(config_of(top)).stream(events)
     assert set(streamed.records["kind"]) >= {Kind.BORN, Kind.MOVED, Kind.LOST}
@@ -362,9 +356,10 @@ print(device.seq, sizes[-1] - sizes[9])
 def test_a_configuration_of_another_kind_is_refused_in_one_line() -> None:
     """`run_config` returns the configuration of a run, of which that of the hardware is a part."""
     config: Any = run_config(346, 260)
-    for make in (Device, Lockstep, CotModel):
+    for make in (Device, Lockstep, golden_model):
         with pytest.raises(ConfigError) as caught:
             make(config)
         assert str(caught.value) == (
-            "config is of type RunConfig: must be a CotConfig, as run_config(width, height).hardware(width, height) returns it"
+            "config is of type RunConfig: must be a MotionConfig or a CotConfig, "
+            "as run_config(width, height).device_config() returns it"
         )

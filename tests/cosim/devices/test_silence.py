@@ -32,7 +32,7 @@ def events_at(*t_us: int) -> Events:
 
 
 def config_of(**shape: int) -> CotConfig:
-    return CotConfig.uniform(Shape(n_slots=1, **shape), SlotConfig())
+    return CotConfig.uniform(Shape(n_slots=1, **shape), SlotConfig(), module="cot")
 
 
 def test_the_longest_gap_is_named_with_its_place_and_the_way_out() -> None:
@@ -40,9 +40,7 @@ def test_the_longest_gap_is_named_with_its_place_and_the_way_out() -> None:
     with pytest.raises(RecordingError) as caught:
         check_silence(np.array([3, 4, 4 + (1 << 44) // 1000, NOW_US, NOW_US + 5]), config)
     assert str(caught.value).startswith("event 3: t = 1700000000000000 us follows t = 17592186048 us: a gap of 1.69998e+09 s")
-    assert str(caught.value).endswith(
-        "must be at most 16777216; take a part without it (--from, --to), or a longer cot.tick_us"
-    )
+    assert str(caught.value).endswith("must be at most 16777216; take a part without it (--from, --to), or a longer tick_us")
 
 
 @pytest.mark.parametrize("first", [0, 7])
@@ -61,15 +59,15 @@ def test_the_bound_is_exact_and_knows_the_event_before(first: int) -> None:
 
 def test_no_drive_begins_a_gap_of_decades() -> None:
     """Each would go on for minutes: that the test ends shows that none begins."""
-    events, config = events_at(0, 1, NOW_US), RunConfig(cot=config_of())
+    events, config = events_at(0, 1, NOW_US), RunConfig(hardware=config_of())
     with pytest.raises(RecordingError, match=r"^story: event 2: t = 1700000000000000 us follows t = 1 us"):
-        run_cosim(Recording(events, 64, 64, "story"), config, "cot")
+        run_cosim(Recording(events, 64, 64, "story"), config)
     ticked = TickedEvents.of(events)
-    for device in (Device(config.cot, "cot"), FilterDevice("filter_polarity", ports={"enable": 0})):
+    for device in (Device(config.hardware), FilterDevice("filter_polarity", ports={"enable": 0})):
         with pytest.raises(RecordingError, match=r"^event 2: tick 1700000000000000 follows tick 1: "):
             device.stream(ticked)
         assert device.now == device.cycle == 0
-    with Lockstep(config.cot, "cot") as lockstep:
+    with Lockstep(config.hardware) as lockstep:
         lockstep.feed(events[:2])
         clocks = lockstep.device.cycle
         with pytest.raises(RecordingError, match=r"^event 2: t = "):
@@ -78,7 +76,7 @@ def test_no_drive_begins_a_gap_of_decades() -> None:
 
 
 def test_a_day_of_silence_is_driven() -> None:
-    with Lockstep(config_of(), "cot") as lockstep:
+    with Lockstep(config_of()) as lockstep:
         lockstep.feed(events_at(0, 1, 86_400_000_000))
         assert lockstep.device.now == 86_400_000_000
         assert lockstep.device.cycle > 82_000

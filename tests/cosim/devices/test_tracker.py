@@ -3,18 +3,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from evcot.errors import ConfigError, RecordingError
+from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.hardware.config import CotConfig
-from evcot.hardware.cot import CotTracker
-from evcot.hardware.motion.contract import MotionRegisters
+from evcot.hardware.golden import GoldenTracker
 from evcot.trackers.config import RunConfig
 from evcot_cosim.devices.tracker import DeviceTracker
 
@@ -22,9 +20,9 @@ from evcot_cosim.devices.tracker import DeviceTracker
 @pytest.mark.parametrize("filtered", [False, True])
 def test_it_returns_what_the_golden_model_returns(config: CotConfig, blobs: Events, filtered: bool) -> None:
     if filtered:
-        config = RunConfig(cot=config, filters=FilterConfig(refractory_us=20)).hardware(128, 128)
+        config = RunConfig(hardware=config, filters=FilterConfig(refractory_us=20)).device_config(128, 128)
     later = Events(blobs.t_us + 5_000_000, blobs.x, blobs.y, blobs.p)
-    hardware, model = DeviceTracker(config), CotTracker(config)
+    hardware, model = DeviceTracker(config), GoldenTracker(config)
     wanted, owners = model.feed(later)
     cuts = [0, 1, 7, 500, 501, 1_999, len(later)]
     got = [hardware.feed(later[begin:end]) for begin, end in pairwise(cuts)]
@@ -42,8 +40,3 @@ def test_a_wait_that_is_too_long_is_refused_and_nothing_was_fed(config: CotConfi
     with pytest.raises(RecordingError, match="clocks of silence"):
         hardware.feed(late)
     assert hardware.settled == 100
-
-
-def test_a_shape_that_the_array_with_motion_cannot_have_is_refused(config: CotConfig) -> None:
-    with pytest.raises(ConfigError, match=r"^shape\.time_w = 20: must be from 32 to 48 with motion\.enable = 1$"):
-        DeviceTracker(replace(config, motion=MotionRegisters(enable=1)))

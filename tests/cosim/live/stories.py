@@ -20,7 +20,7 @@ from evcot_cosim.live.waiting import Arrival
 SENSOR = (64, 48)
 HELLO = {
     "name": "a drive", "engine": "rct", "preset": "plain", "width": SENSOR[0], "height": SENSOR[1], "speed": 1.0,
-    "engines": {"rct": ["plain", "discs"], "auto": ["auto"]}, "lanes": ["rct"], "seekable": False,
+    "engines": {"rct": ["plain", "discs"], "adaptive": ["auto"]}, "lanes": ["rct"], "seekable": False,
 }  # fmt: skip
 
 

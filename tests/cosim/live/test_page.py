@@ -224,11 +224,11 @@ def test_engine_and_preset_are_chosen_on_the_page(chosen: Page, studio: Studio) 
     page = chosen.page
     assert page.input_value("select[name=engine]") == "rct"
     assert page.input_value("select[name=preset]") == "plain"
-    page.select_option("select[name=engine]", "auto")
-    wait_until(lambda: chosen.text("#what").startswith("auto, default preset"), 20)
-    assert studio.asked[-1] == Wish("auto", None, False, 1.5), "it goes on from where it is"
+    page.select_option("select[name=engine]", "adaptive")
+    wait_until(lambda: chosen.text("#what").startswith("adaptive, default preset"), 20)
+    assert studio.asked[-1] == Wish("adaptive", None, False, 1.5), "it goes on from where it is"
     page.select_option("select[name=preset]", "auto")
-    wait_until(lambda: chosen.text("#what").startswith("auto, auto"), 20)
+    wait_until(lambda: chosen.text("#what").startswith("adaptive, auto"), 20)
     assert page.locator("select[name=preset] option").all_text_contents() == ["default", "auto"]
 
 

@@ -48,8 +48,8 @@ def test_a_wish_takes_the_place_of_the_session_before() -> None:
     player = started(studio)
     first = player.run.session
     studio.go_on.clear()
-    player.ask(Wish("auto", "auto", True, 2.5))
-    wait_until(lambda: player.note == "preparing auto and the hardware (compiled the first time, up to a minute)")
+    player.ask(Wish("adaptive", "auto", True, 2.5))
+    wait_until(lambda: player.note == "preparing adaptive and the hardware (compiled the first time, up to a minute)")
     assert player.run.session is first
     assert first.running, "as long as the other is prepared"
     studio.go_on.set()
@@ -58,7 +58,7 @@ def test_a_wish_takes_the_place_of_the_session_before() -> None:
     assert first.source.closed is False  # type: ignore[attr-defined]
     wait_until(lambda: player.note == "")
     assert player.run.session.running
-    assert studio.wished[-1] == Wish("auto", "auto", True, 2.5)
+    assert studio.wished[-1] == Wish("adaptive", "auto", True, 2.5)
     player.stop()
     assert not player.running
 
@@ -92,7 +92,7 @@ def test_a_wish_that_cannot_be_granted_changes_nothing_and_says_why() -> None:
 def test_what_is_fixed_stays() -> None:
     studio = Studio()
     player = started(studio, "--save keeps one run")
-    player.ask(Wish("auto"))
+    player.ask(Wish("adaptive"))
     time.sleep(0.3)
     assert len(studio.wished) == 1
     player.stop()
@@ -116,7 +116,7 @@ def test_an_end_does_not_wait_for_what_is_prepared() -> None:
     studio = Studio()
     player = started(studio)
     studio.go_on.clear()
-    player.ask(Wish("auto"))
+    player.ask(Wish("adaptive"))
     wait_until(lambda: bool(player.note))
     begin_s = time.monotonic()
     player.stop()

@@ -213,7 +213,7 @@ def wishes() -> Wishes:
 @pytest.fixture
 def open_server(wishes: Wishes) -> Iterator[Server]:
     """A server whose pages may choose."""
-    player = Player(wishes.prepare, Wish("auto"))
+    player = Player(wishes.prepare, Wish("adaptive"))
     player.start()
     with Server(player, 0, "127.0.0.2") as server:
         yield server
@@ -229,11 +229,11 @@ def next_hello(connection: ClientConnection) -> dict[str, Any]:
 
 def test_a_page_chooses_what_is_played_and_all_pages_see_it(open_server: Server, wishes: Wishes) -> None:
     with look(open_server) as connection, look(open_server) as other:
-        assert next_hello(connection)["engine"] == next_hello(other)["engine"] == "auto"
+        assert next_hello(connection)["engine"] == next_hello(other)["engine"] == "adaptive"
         first = [next_frame(connection), next_frame(connection)]
         connection.send(play(engine="rct", preset="discs", hardware=True, at_s=1.5))
         assert next_hello(connection)["engine"] == next_hello(other)["engine"] == "rct"
-        assert wishes.asked == [Wish("auto"), Wish("rct", "discs", True, 1.5)]
+        assert wishes.asked == [Wish("adaptive"), Wish("rct", "discs", True, 1.5)]
         then = next_frame(connection)
         assert number_of(then) > number_of(first[-1]), "numbers go on, and what was not drawn before does not count"
         answer(connection, then)
@@ -254,7 +254,7 @@ def test_a_page_on_another_machine_can_only_watch(open_server: Server, wishes: W
         connection.send(play())
         wait_until(lambda: _ended(connection))
         assert connection.close_code == 1008
-    assert wishes.asked == [Wish("auto")]
+    assert wishes.asked == [Wish("adaptive")]
 
 
 def test_a_run_that_is_kept_cannot_be_changed(session: Session) -> None:
@@ -277,7 +277,7 @@ def test_a_message_against_the_rules_ends_the_connection_only(open_server: Serve
         assert connection.close_code == 1008
     with look(open_server) as connection:
         next_frame(connection)
-    assert wishes.asked == [Wish("auto")]
+    assert wishes.asked == [Wish("adaptive")]
 
 
 def test_a_wish_has_256_bytes_at_most(open_server: Server, wishes: Wishes) -> None:
@@ -285,7 +285,7 @@ def test_a_wish_has_256_bytes_at_most(open_server: Server, wishes: Wishes) -> No
         connection.send(play(engine="x" * 200))
         wait_until(lambda: _ended(connection))
         assert connection.close_code == 1009
-    assert wishes.asked == [Wish("auto")]
+    assert wishes.asked == [Wish("adaptive")]
 
 
 def test_addresses_that_cannot_be(player: Player) -> None:

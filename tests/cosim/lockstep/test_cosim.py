@@ -10,8 +10,7 @@ import pytest
 
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
-from evcot.hardware.cot import Arrangement
-from evcot.hardware.cot import track as cot_track
+from evcot.hardware.golden import track as cot_track
 from evcot.recordings.files import read_recording
 from evcot.trackers.presets import fit, for_sensor, preset
 from evcot.trackers.rct.tracker import track as rct_track
@@ -62,10 +61,10 @@ def blob() -> Recording:
 
 def test_each_engine_logs_what_it_logs_alone(blob: Recording) -> None:
     done = run(blob)
-    assert same(done.model, cot_track(blob, done.config.cot, Arrangement.ARRAY))
+    assert same(done.model, cot_track(blob, done.config.hardware))
     assert same(done.hardware, done.model)
     assert same(done.software, rct_track(blob, done.config.rct))
-    assert [log.engine for log in (done.hardware, done.model, done.software)] == ["cot-rtl", "cot-model", "rct"]
+    assert [log.engine for log in (done.hardware, done.model, done.software)] == ["cot_array", "cot_array", "rct"]
 
 
 def test_the_story_of_the_blob(blob: Recording) -> None:
@@ -74,7 +73,7 @@ def test_the_story_of_the_blob(blob: Recording) -> None:
     first, second = done.hardware.of_kind(Kind.BORN)
     (lost,) = done.hardware.of_kind(Kind.LOST)
     assert lost["track_id"] == first["track_id"] != second["track_id"]
-    assert lost["t_us"] == blob.events.t_us[2_999] + done.config.cot.slots[0].max_ticks
+    assert lost["t_us"] == blob.events.t_us[2_999] + done.config.hardware.slots[0].max_ticks
     assert lost["event_index"] == 3_000
     assert first["t_us"] == blob.events.t_us[first["event_index"]]
     assert (first["x"], second["x"]) == (pytest.approx(10, abs=3), pytest.approx(54, abs=3))
@@ -102,7 +101,7 @@ def test_a_recording_without_events_is_refused() -> None:
 
 
 def test_addresses_must_reach_the_whole_sensor(blob: Recording) -> None:
-    cot = fit(preset("dvs128"), 64, 64).cot
+    cot = fit(preset("dvs128"), 64, 64).hardware
     check_addresses(blob, cot)
     with pytest.raises(ConfigError, match=r"^shape.y_w = 6: too few bits for 65 pixels of blob$"):
         check_addresses(replace(blob, height=65), cot)

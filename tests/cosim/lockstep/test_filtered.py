@@ -14,8 +14,9 @@ from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
+from evcot.hardware.modules import Module
 from evcot.recordings.files import read_recording, write_recording
-from evcot.trackers.presets import fit, for_sensor
+from evcot.trackers.presets import fit, for_sensor, run_config
 from evcot.tracks.log import DROPPED, TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.lockstep.cosim import run_cosim
@@ -40,12 +41,12 @@ def near(log: TrackLog, place: tuple[int, int], reach_px: float = 5) -> int:
     return int(np.count_nonzero(np.hypot(log.records["x"] - place[0], log.records["y"] - place[1]) < reach_px))
 
 
-@pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
-def test_all_engines_work_behind_the_same_filters(top: str) -> None:
+@pytest.mark.parametrize("module", ["cot_array", "cot_chain"])
+def test_all_engines_work_behind_the_same_filters(module: Module) -> None:
     recording = noisy_blob()
     filters = FilterConfig(hot_pixels=(HOT,), activity_us=20_000)
-    config = replace(fit(for_sensor(128), 128, 128, 4), filters=filters)
-    run = run_cosim(recording, config, top)
+    config = replace(run_config(128, 128, n_slots=4, hardware=module), filters=filters)
+    run = run_cosim(recording, config)
     _, keep = apply(recording, filters)
     for log in (run.hardware, run.model, run.software):
         np.testing.assert_array_equal(log.owner == DROPPED, ~keep)
@@ -55,7 +56,7 @@ def test_all_engines_work_behind_the_same_filters(top: str) -> None:
     moved = run.hardware.records[run.hardware.records["kind"] == 1]
     assert keep[moved["event_index"]].all()  # in the recording's numbers: what moves a centre has stayed
     np.testing.assert_array_equal(moved["t_us"], recording.events.t_us[moved["event_index"]])
-    bare = run_cosim(recording, replace(config, filters=FilterConfig()), top)
+    bare = run_cosim(recording, replace(config, filters=FilterConfig()))
     assert near(bare.hardware, HOT) > 10  # it would have held a cluster
     assert near(bare.software, HOT) > 10
 
@@ -65,7 +66,7 @@ def test_hardware_and_model_have_the_same_memory_of_cells(side: int) -> None:
     recording = noisy_blob()
     filters = FilterConfig(refractory_us=5_000, activity_us=20_000, decay_tau_us=20_000.0, rowcol_us=90_000, cell_px=side)
     config = replace(fit(for_sensor(128), 128, 128, 4), filters=filters)
-    run = run_cosim(recording, config, "cot_array")
+    run = run_cosim(recording, config)
     _, keep = apply(recording, filters)
     assert 0.02 < keep.mean() < 0.9
     for log in (run.hardware, run.model, run.software):

@@ -17,15 +17,15 @@ import pytest
 
 from evcot.errors import EvcotError, OutputError
 from evcot.events import Events
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig, SlotConfig, with_module
 from evcot.hardware.contract import Mode, Shape
+from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks, dump_window
 from evcot_cosim.lockstep.mismatch import MismatchError
-from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import broken_copy
 from support.trials import bare_device, random_traffic
@@ -78,10 +78,10 @@ def run_all(lockstep: Lockstep, runs: Iterator[Events]) -> None:
 
 class TestAgreement:
     @pytest.mark.parametrize("top", ["cot", "cot_chain", "cot_array"])
-    def test_the_rtl_is_the_model(self, top: Top) -> None:
-        config = CotConfig.uniform(replace(SHAPE, n_slots=1), LIVELY.slots[0]) if top == "cot" else LIVELY
+    def test_the_rtl_is_the_model(self, top: Module) -> None:
+        config = with_module(LIVELY, top)
         events = busy(5000)
-        with Lockstep(config, top, stalls=Stalls.random(np.random.default_rng(1))) as lockstep:
+        with Lockstep(config, stalls=Stalls.random(np.random.default_rng(1))) as lockstep:
             steps = [lockstep.feed(run) for run in chunks(events, 700)]
         assert lockstep.events == 5000
         assert lockstep.records == sum(len(step.hardware.records) for step in steps) > 1000
@@ -193,7 +193,7 @@ class TestMismatch:
             assert str(caught.value) == (
                 f"cot_array: event {event_index}, tick {tick}: {field}: hardware has {hardware}, model has {model}"
             )
-        assert (found.seed, found.top, found.config) == (5, "cot_array", CONFIG)
+        assert (found.seed, found.config) == (5, CONFIG)
         assert isinstance(caught.value, EvcotError)
 
     def test_its_record_repeats_the_run(self, tmp_path: Path) -> None:
@@ -205,10 +205,10 @@ class TestMismatch:
         stored = json.loads(json.dumps(asdict(caught.value.mismatch)))
         config = stored.pop("config")
         assert stored == {
-            "event_index": 0, "tick": 0, "field": "record.support", "hardware": 0, "model": 1, "seed": 5, "top": "cot_array",
+            "event_index": 0, "tick": 0, "field": "record.support", "hardware": 0, "model": 1, "seed": 5
         }  # fmt: skip
         slots = tuple(SlotConfig(**slot) for slot in config["slots"])
-        assert CotConfig(Shape(**config["shape"]), slots, config["tick_us"]) == CONFIG
+        assert CotConfig(Shape(**config["shape"]), slots, config["tick_us"], module=config["module"]) == CONFIG
 
     def test_a_broken_chain_is_found_too(self, tmp_path: Path) -> None:
         verilog = broken_copy(
@@ -217,9 +217,10 @@ class TestMismatch:
             "!wide_rel[REL_W-1] &&",
             "!wide_rel[REL_W-1] && |wide_rel &&",
         )
-        model = build_device(CONFIG, "cot_chain", waves=False, verilog=verilog)
+        config = replace(CONFIG, module="cot_chain")
+        model = build_device(config, waves=False, verilog=verilog)
         with (
-            Lockstep(CONFIG, "cot_chain", model=model) as lockstep,
+            Lockstep(config, model=model) as lockstep,
             pytest.raises(MismatchError, match=r"event 1, tick 3: owner: hardware has 1, model has 0"),
         ):
             lockstep.feed(at((0, 64), (3, 58)))

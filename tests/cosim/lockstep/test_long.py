@@ -77,7 +77,7 @@ def test_a_long_run_says_what_a_short_one_says(runs: Path) -> None:
     short, long = summary(runs / "short"), summary(runs / "long")
     assert short["events"] > 9_000 + 4 * 4_000
     for figures in (short, long):
-        for name in ("cot-model",):
+        for name in ("model",):
             for by_engine in ("births", "merges", "lifetimes", "owned_fraction"):
                 figures[by_engine].pop(name, None)
     clocks = {"cycles", "cycles_per_event", "latency_clocks"}  # a run in memory is driven in larger chunks
@@ -104,7 +104,7 @@ def test_every_part_has_a_page_beside_the_overview(runs: Path, capsys: pytest.Ca
     parts = summary(folder)["parts"]
     assert len(parts) > 5
     assert sum(part["events"] for part in parts) == summary(folder)["events"]
-    assert sum(part["births_hardware"] for part in parts) == summary(folder)["births"]["cot-rtl"]
+    assert sum(part["births_hardware"] for part in parts) == summary(folder)["births"]["hardware"]
     page = (folder / "report.html").read_text()
     for part in parts:
         assert part["page"] in page

@@ -34,24 +34,24 @@ def back(run: RunFile, folder: Path) -> RunFile:
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_preset_comes_back_as_it_was(name: str, tmp_path: Path) -> None:
-    run = RunFile(Source("boxes", is_scene=True, seed=7), "cot_chain", 3, "0123", PRESETS[name])
+    run = RunFile(Source("boxes", is_scene=True, seed=7), 3, "0123", PRESETS[name])
     assert back(run, tmp_path) == run
 
 
 def test_slots_and_filters_of_their_own_come_back(tmp_path: Path) -> None:
-    base = PRESETS["davis346"].cot
+    base = PRESETS["davis346"].hardware
     slots = tuple(replace(slot, init_radix=11 + i % 3) for i, slot in enumerate(base.slots))
     filters = FilterConfig(region=(1, 2, 30, 40), polarity="on", hot_pixels=((3, 4), (5, 6)), decay_tau_us=1500.0)
     config = RunConfig("own", CotConfig(base.shape, slots, 3), PRESETS["slow"].rct, filters)
-    run = RunFile(Source("boxes", is_scene=True, from_us=5, to_us=500), "cot_array", None, "", config)
+    run = RunFile(Source("boxes", is_scene=True, from_us=5, to_us=500), None, "", config)
     assert back(run, tmp_path) == run
 
 
 def test_a_file_is_named_from_the_root_and_a_scene_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     config = PRESETS["slow"]
-    assert f'recording = "{tmp_path}/x.npz"' in run_toml(RunFile(Source("x.npz"), "cot_array", None, "", config))
-    text = run_toml(RunFile(Source("boxes", is_scene=True, seed=0), "cot_array", None, "", config))
+    assert f'recording = "{tmp_path}/x.npz"' in run_toml(RunFile(Source("x.npz"), None, "", config))
+    text = run_toml(RunFile(Source("boxes", is_scene=True, seed=0), None, "", config))
     assert 'scene = "boxes"' in text
     assert "recording" not in text
     assert "seed = 0" in text
@@ -93,7 +93,7 @@ def test_a_recording_that_has_changed_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.npz"
     write_recording(Recording(events(), 40, 30, "x"), path)
     source = Source(str(path))
-    run = RunFile(source, "cot_array", None, digest(source.read().events), PRESETS["slow"])
+    run = RunFile(source, None, digest(source.read().events), PRESETS["slow"])
     run.check(tmp_path / "run.toml", source.read().events)
     write_recording(Recording(events(49), 40, 30, "x"), path, force=True)
     with pytest.raises(ConfigError, match=r"run\.toml: run\.digest = '\w+': must be that of .*x\.npz, which has changed since"):
@@ -109,15 +109,16 @@ def test_a_configuration_alone_is_no_run(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("run = 3", r"\[run\] must be a table, not 3"),
-        ("[run]\nfile = 'x'", r"\[run\]: unknown field 'file': must be one of digest, from_us, hardware"),
-        ("[run]\nhardware = 'cot'", r"\[run\]: must have either recording, a file, or scene, one of boxes, "),
+        ("[run]\nfile = 'x'", r"\[run\]: unknown field 'file': must be one of digest, from_us, height"),
+        ("[run]\nstalls = 3", r"\[run\]: must have either recording, a file, or scene, one of boxes, "),
         ("[run]\nrecording = 'x.npz'\nscene = 'boxes'", r"\[run\]: must have either recording, a file, or scene"),
         ("[run]\nscene = 'nowhere'", r"run\.scene = 'nowhere': must be one of boxes, "),
         ("[run]\nrecording = 3", r"run\.recording = 3: must be text"),
         ("[run]\nrecording = 'boxes'\nfrom_us = -1", r"run\.from_us = -1: must be a whole number, not negative"),
         ("[run]\nrecording = 'boxes'\nstalls = true", r"run\.stalls = True: must be a whole number"),
         ("[run]\nrecording = 'boxes'\nskip_damaged = 1", r"run\.skip_damaged = 1: must be true or false"),
-        ("[run]\nrecording = 'boxes'\nhardware = 'gpu'", r"run\.hardware = 'gpu': must be one of cot, cot_chain, cot_array"),
+        ("[run]\nrecording = 'boxes'\nhardware = 'cot'", r"\[run\]: hardware: must stand at the top of the file"),
+        ("hardware = 'gpu'", r"hardware = 'gpu': must be one of cot, cot_chain, cot_array, cot_motion"),
     ],
 )
 def test_a_table_run_that_cannot_be_used(text: str, message: str, tmp_path: Path) -> None:

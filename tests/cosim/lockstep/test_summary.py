@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from evcot.events import Events, Recording
+from evcot.hardware.config import CotConfig
 from evcot.trackers.config import RunConfig
 from evcot.tracks.compare import compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
@@ -36,8 +37,7 @@ def run_of(hardware: TrackLog, model: TrackLog, software: TrackLog) -> CosimRun:
     events = Events(t_us, np.zeros(4, np.uint16), np.zeros(4, np.uint16), np.zeros(4, np.uint8))
     return CosimRun(
         recording=Recording(events, 8, 8, "four"),
-        config=RunConfig(),
-        top="cot_array",
+        config=RunConfig(hardware=CotConfig()),
         hardware=hardware,
         model=model,
         software=software,
@@ -52,7 +52,7 @@ def run_of(hardware: TrackLog, model: TrackLog, software: TrackLog) -> CosimRun:
 
 
 def test_figures_of_a_run() -> None:
-    logs = log("cot-rtl", *LIVES), log("cot-model", *LIVES), log("rct", LIVES[0], owned=1)
+    logs = log("cot_array", *LIVES), log("cot_array", *LIVES), log("rct", LIVES[0], owned=1)
     summary = summarise(run_of(*logs), "evcot cosim four.npz")
     assert summary["exact"] is True
     assert (summary["events"], summary["records"], summary["cycles"]) == (4, 4, 12)
@@ -62,30 +62,30 @@ def test_figures_of_a_run() -> None:
     assert summary["software_events_per_s"] == pytest.approx(16)
     assert summary["cycles_per_event"] == pytest.approx(3)
     assert summary["latency_clocks"] == {"median": 2, "p99": 4, "max": 4, "histogram": [[2, 3], [4, 1]]}
-    assert summary["births"] == {"cot-rtl": 2, "cot-model": 2, "rct": 1}
-    assert summary["merges"] == {"cot-rtl": 1, "cot-model": 1, "rct": 0}
-    assert summary["owned_fraction"] == {"cot-rtl": 0.75, "cot-model": 0.75, "rct": 0.25}
-    assert summary["lifetimes"]["cot-rtl"] == {
+    assert summary["births"] == {"hardware": 2, "model": 2, "software": 1}
+    assert summary["merges"] == {"hardware": 1, "model": 1, "software": 0}
+    assert summary["owned_fraction"] == {"hardware": 0.75, "model": 0.75, "software": 0.25}
+    assert summary["lifetimes"]["hardware"] == {
         "tracks": 2, "lost": 1, "median_s": pytest.approx(0.00065), "longest_s": pytest.approx(0.001),
     }  # fmt: skip
-    assert summary["lifetimes"]["rct"]["longest_s"] == pytest.approx(0.002)
+    assert summary["lifetimes"]["software"]["longest_s"] == pytest.approx(0.002)
     assert {side: of.tracks for side, of in verdict_from(summary["verdict"]).figures.items()} == {"hardware": 2, "software": 1}
-    assert summary["config"]["cot"]["shape"]["n_slots"] == summary["slots"] == 8
+    assert summary["config"]["hardware"]["shape"]["n_slots"] == summary["slots"] == 8
     assert summary["command"] == "evcot cosim four.npz"
     assert set(summary["versions"]) == {"evcot", "python", "verilator", "compiler", "numpy", "numba", "pyverilator-mm"}
 
 
-@pytest.mark.parametrize("other", [log("cot-model", *LIVES[:3]), log("cot-model", *LIVES, owned=2)])
+@pytest.mark.parametrize("other", [log("cot_array", *LIVES[:3]), log("cot_array", *LIVES, owned=2)])
 def test_a_record_or_an_owner_that_differs_is_not_exact(other: TrackLog) -> None:
-    summary = summarise(run_of(log("cot-rtl", *LIVES), other, log("rct")), "")
+    summary = summarise(run_of(log("cot_array", *LIVES), other, log("rct")), "")
     assert summary["exact"] is False
     assert ("hardware = model", "NO") in table(summary)
 
 
 def test_nothing_is_none_and_the_summary_is_json(tmp_path: Path) -> None:
-    empty = [TrackLog(engine, np.empty(0, TRACK), np.full(4, -1, np.int16)) for engine in ("cot-rtl", "cot-model", "rct")]
+    empty = [TrackLog(engine, np.empty(0, TRACK), np.full(4, -1, np.int16)) for engine in ("cot_array", "cot_array", "rct")]
     summary = summarise(run_of(*empty), "")
-    assert summary["lifetimes"]["rct"] == {"tracks": 0, "lost": 0, "median_s": None, "longest_s": None}
+    assert summary["lifetimes"]["software"] == {"tracks": 0, "lost": 0, "median_s": None, "longest_s": None}
     write_summary(summary, tmp_path / "summary.json")
     assert json.loads((tmp_path / "summary.json").read_text())["agreement"]["distance_median_px"] is None
     assert ("distance of pairs", "no pair") in table(summary)
@@ -95,7 +95,7 @@ def test_nothing_is_none_and_the_summary_is_json(tmp_path: Path) -> None:
 
 def test_a_summary_of_an_earlier_release_is_read_with_its_pairs_counted(tmp_path: Path) -> None:
     lives = ((0, Kind.BORN, 0, -1), (100, Kind.BORN, 1, -1), (1_900, Kind.MERGED, 1, 0), (2_000, Kind.LOST, 0, -1))
-    summary = summarise(run_of(log("cot-rtl", *lives), log("cot-model", *lives), log("rct", *lives)), "")
+    summary = summarise(run_of(log("cot_array", *lives), log("cot_array", *lives), log("rct", *lives)), "")
     assert summary["agreement"]["tracks_paired"] > 0
     write_summary(summary, tmp_path / "new.json")
     assert read_summary(tmp_path / "new.json") == json.loads(json.dumps(summary))
@@ -107,13 +107,11 @@ def test_a_summary_of_an_earlier_release_is_read_with_its_pairs_counted(tmp_path
 
 
 def test_summary_of_a_mismatch() -> None:
-    config = RunConfig()
-    found = Mismatch(7, 70, "owner", 1, -1, 5, "cot_array", config.cot)
-    recording = run_of(log("cot-rtl"), log("cot-model"), log("rct")).recording
+    config = RunConfig(hardware=CotConfig())
+    found = Mismatch(7, 70, "owner", 1, -1, 5, config.hardware)
+    recording = run_of(log("cot_array"), log("cot_array"), log("rct")).recording
     summary = summarise_mismatch(found, recording, config, "evcot cosim four.npz")
     assert summary["exact"] is False
     kept = summary["mismatch"]
-    assert [kept[name] for name in ("event_index", "tick", "field", "hardware", "model", "seed", "top")] == [
-        7, 70, "owner", 1, -1, 5, "cot_array",
-    ]  # fmt: skip
-    assert kept["config"]["shape"]["n_slots"] == 8
+    assert [kept[name] for name in ("event_index", "tick", "field", "hardware", "model", "seed")] == [7, 70, "owner", 1, -1, 5]
+    assert (kept["config"]["module"], kept["config"]["shape"]["n_slots"]) == ("cot_array", 8)

@@ -23,10 +23,11 @@ GOOD = Quality(
     owned_fraction=0.9, isolated_fraction=0.1, isolated_dropped_fraction=0.9, isolated_owned_fraction=0.05,
     noise_tracks=0, noise_time_fraction=0.0,
 )  # fmt: skip
+_SLOT = {"init_radix": 8, "max_ticks": 9, "clust_nev": 5, "detect_ticks": 7}
 SUMMARY = {
     "exact": True,
     "records": 1_234,
-    "config": {"name": "slow", "cot": {"slots": [{"init_radix": 8, "max_ticks": 9, "clust_nev": 5, "detect_ticks": 7}]}},
+    "config": {"name": "slow", "hardware": {"module": "cot_array", "slots": [_SLOT]}},
 }
 AGREEMENT = {
     "paired_fraction_hardware": 0.9, "paired_fraction_software": 0.8, "radius_px": 12.0, "merges_paired": 1,
@@ -42,7 +43,7 @@ def judged(
     monkeypatch.setattr(module, "quality_of", lambda *_: next(found))
     nothing = np.empty(0, np.int64)
     events = Events(nothing, nothing.astype(np.uint16), nothing.astype(np.uint16), nothing.astype(np.uint8))
-    logs = {name: TrackLog.empty("cot-rtl") for name in figures}
+    logs = {name: TrackLog.empty("cot_array") for name in figures}
     return verdict_of(Recording(events, 8, 8, "nothing"), logs, SUMMARY | summary)
 
 
@@ -153,7 +154,7 @@ def test_a_mismatch_stands_above_everything(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_hardware_with_motion_has_no_slots_registers_to_change(monkeypatch: pytest.MonkeyPatch) -> None:
-    config = {"name": "motion", "cot": SUMMARY["config"]["cot"] | {"motion": {"enable": 1}}}  # type: ignore[index]
+    config = {"name": "motion", "hardware": {"module": "cot_motion", "registers": {"detect_ticks": 7}}}
     advice = line(judged(monkeypatch, replace(GOOD, short=6, short_merged=6), config=config), "tracks").advice
     assert "[motion] in run.toml" in advice
     assert "--preset" not in advice
@@ -195,27 +196,24 @@ def test_tracks_for_each_object_are_told_in_plain_numbers(monkeypatch: pytest.Mo
 DATA = Path(__file__).parents[4] / "shared" / "data"
 
 
-@pytest.mark.parametrize("preset", ["auto", "auto-paper", "slow"])
+@pytest.mark.parametrize("preset", ["auto", "slow"])
 @pytest.mark.parametrize("name", ["hand_dvs128.aedat4", "traffic_outbound.aedat4"])
 def test_a_real_recording_is_told_good_from_useless(name: str, preset: str) -> None:
-    """Without motion, of seven tracks of the hand five are short, of eleven of the cars three; `slow` finds none that lasts."""
-    if preset == "auto":
-        grade = Grade.GOOD
-    else:
-        grade = Grade.FAIR if (name, preset) == ("traffic_outbound.aedat4", "auto-paper") else Grade.POOR
+    """`slow` finds no track that lasts."""
+    grade = Grade.GOOD if preset == "auto" else Grade.POOR
     if not (DATA / name).is_file():
         pytest.skip(f"{name} is not here")
-    from evcot.hardware.cot import track as track_model
+    from evcot.hardware.golden import track as track_model
     from evcot.recordings.files import open_recording
-    from evcot.trackers.auto.estimates import estimate
-    from evcot.trackers.auto_registers import auto_config
+    from evcot.trackers.adaptive.estimates import estimate
+    from evcot.trackers.auto import auto_config
     from evcot.trackers.presets import PRESETS, fit
 
     with open_recording(DATA / name) as file:
         recording = file.read()
     sensor = recording.width, recording.height
     seen = estimate([recording.events], sensor)
-    config = fit(PRESETS[preset], *sensor) if preset in PRESETS else auto_config(seen, preset)
-    log = track_model(recording, config.hardware(*sensor))
+    config = fit(PRESETS[preset], *sensor) if preset in PRESETS else auto_config(seen)
+    log = track_model(recording, config.device_config(*sensor))
     verdict = verdict_of(recording, {"hardware": log}, {"exact": True, "config": config.to_dict()})
     assert verdict.grade is grade, verdict_lines(verdict)

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from evcot.hardware.cot import track as track_model
+from evcot.hardware.golden import track as track_model
 from evcot.scenes import simulate_scene
 from evcot.trackers.presets import fit, for_sensor
 from evcot.trackers.rct.tracker import track as track_software
@@ -41,8 +41,8 @@ def material_of(duration_us: int, **more: Any) -> Material:
     scene = simulate_scene("boxes", 1, {"duration_us": duration_us})
     recording = scene.recording
     config = fit(for_sensor(recording.width), recording.width, recording.height)
-    model = track_model(recording, config.cot)
-    hardware, software = TrackLog("cot-rtl", model.records, model.owner), track_software(recording, config.rct)
+    model = track_model(recording, config.hardware)
+    hardware, software = TrackLog("cot_array", model.records, model.owner), track_software(recording, config.rct)
     span_us = int(recording.events.t_us[0]), int(recording.events.t_us[-1])
     agreement = compare(hardware, software, radius_px=config.rct.radius_px, span_us=span_us)
     summary = summary_of(agreement=agreement.to_dict(), config=config.to_dict(), **more)

@@ -370,7 +370,15 @@ def test_a_hostile_name_does_nothing(browser: Any, material: Material, tmp_path:
 
 
 def test_a_mismatch_leads_and_is_where_the_playback_stands(browser: Any, material: Material, tmp_path: Path) -> None:
-    found = {"event_index": 60_000, "tick": 9, "field": "owner", "hardware": 1, "model": 2, "seed": None, "top": "cot_array"}
+    found = {
+        "event_index": 60_000,
+        "tick": 9,
+        "field": "owner",
+        "hardware": 1,
+        "model": 2,
+        "seed": None,
+        "config": {"module": "cot_array"},
+    }
     sides = (material.sides[0], Side("model", material.sides[0].log))
     write_report(Material(material.recording, summary_of(exact=False, mismatch=found), sides), tmp_path / "m.html")
     opened = Opened(browser, tmp_path / "m.html")

@@ -53,7 +53,7 @@ def recording() -> Recording:
 @pytest.fixture(scope="module")
 def busy(recording: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report of a run with thousands of merges that only the hardware has."""
-    hardware, software = log_of("cot-rtl", BRIEF), log_of("rct", JOINT)
+    hardware, software = log_of("cot_array", BRIEF), log_of("rct", JOINT)
     summary = summary_of("busy", agreement=compare(hardware, software, span_us=(0, LENGTH_US)).to_dict())
     summary["verdict"] = verdict_of(recording, {"hardware": hardware, "software": software}, summary).to_dict()
     path = tmp_path_factory.mktemp("busy") / "report.html"

@@ -80,7 +80,15 @@ STATES = {
 @pytest.fixture(scope="module")
 def pages(report: Path, material: Material, tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
     """The report of a run, and of one that a mismatch ended."""
-    found = {"event_index": 60_000, "tick": 9, "field": "owner", "hardware": 1, "model": 2, "seed": 7, "top": "cot_array"}
+    found = {
+        "event_index": 60_000,
+        "tick": 9,
+        "field": "owner",
+        "hardware": 1,
+        "model": 2,
+        "seed": 7,
+        "config": {"module": "cot_array"},
+    }
     path = tmp_path_factory.mktemp("mismatch") / "report.html"
     sides = (material.sides[0], Side("model", material.sides[0].log))
     write_report(Material(material.recording, summary_of(exact=False, mismatch=found), sides, material.truth), path)

@@ -83,10 +83,10 @@ def test_the_same_run_gives_the_same_bytes(material: Made) -> None:
     assert page.render(material) == page.render(material)
 
 
-def test_only_the_array_without_motion_has_inner_radii(material: Made) -> None:
+def test_cot_motion_has_no_inner_radii(material: Made) -> None:
     assert "inner radius" in page.render(material)
     config = material.summary["config"]
-    moving = config | {"cot": config["cot"] | {"motion": {"enable": 1}}}
+    moving = config | {"hardware": {"module": "cot_motion", "registers": {"detect_ticks": 7}}}
     text = page.render(replace(material, summary={**material.summary, "config": moving}))
     assert "inner radius" not in re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
 
@@ -115,7 +115,7 @@ def test_two_million_events_at_random_stay_below_ten_megabytes() -> None:
         random.integers(0, 2, n, np.uint8),
     )  # fmt: skip
     owner = random.integers(-1, 8, n).astype(np.int16)
-    sides = (Side("hardware", replace(TrackLog.empty("cot-rtl"), owner=owner)),)
+    sides = (Side("hardware", replace(TrackLog.empty("cot_array"), owner=owner)),)
     text = page.render(Material(Recording(events, 1280, 720, "noise"), {}, sides))
     assert len(text.encode()) < 10_000_000
     assert facts_of(text)["shown"] > 1_900_000
@@ -123,7 +123,7 @@ def test_two_million_events_at_random_stay_below_ten_megabytes() -> None:
 
 def test_a_run_without_anything_says_what_is_missing() -> None:
     recording = empty()
-    sides = (Side("hardware", TrackLog.empty("cot-rtl")), Side("software", TrackLog.empty("rct")))
+    sides = (Side("hardware", TrackLog.empty("cot_array")), Side("software", TrackLog.empty("rct")))
     text = page.render(Material(recording, {}, sides))
     for words in ("No truth is known", "no track became visible", "Nothing became visible", "0 events"):
         assert words in text, words
@@ -143,11 +143,19 @@ def test_maps_of_filtered_events_say_whose_filters(material: Made) -> None:
 
 
 def test_a_mismatch_comes_first(material: Made) -> None:
-    found = {"event_index": 50, "tick": 4_321, "field": "record.cm_x", "hardware": 7, "model": 8, "seed": 9, "top": "cot_array"}
+    found = {
+        "event_index": 50,
+        "tick": 4_321,
+        "field": "record.cm_x",
+        "hardware": 7,
+        "model": 8,
+        "seed": 9,
+        "config": {"module": "cot_array"},
+    }
     n = 1_000
     sides = tuple(
         Side(name, TrackLog(engine, material.sides[0].log.records[:5], material.sides[0].log.owner[:n]))
-        for name, engine in (("hardware", "cot-rtl"), ("model", "cot-model"))
+        for name, engine in (("hardware", "cot_array"), ("model", "cot_array"))
     )
     text = page.render(Material(material.recording, summary_of(exact=False, mismatch=found), sides))
     assert text.index("Hardware and model differ") < text.index('id="playback"')

@@ -29,7 +29,7 @@ count = 150
 columns = (np.zeros(count, kind) for kind in (np.uint16, np.uint16, np.uint8))
 blocks = iter([Events(np.arange(count, dtype=np.int64), *columns)])
 recording = part_pages.LongRecording("made", (64, 64), blocks, count, 0, count - 1)
-log = part_pages.LongLog("cot-rtl", iter([(np.empty(0, TRACK), np.full(count, -1, np.int16))]))
+log = part_pages.LongLog("cot_array", iter([(np.empty(0, TRACK), np.full(count, -1, np.int16))]))
 part_pages.write_parts(recording, {"hardware": log}, Path(sys.argv[1]), {})
 """
 

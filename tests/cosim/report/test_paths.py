@@ -38,7 +38,7 @@ def test_it_is_alive_in_both() -> None:
     t_us = np.arange(0, 101, 5)
     zeros = np.zeros(len(t_us), np.uint16)
     recording = Recording(Events(t_us, zeros, zeros, zeros.astype(np.uint8)), 16, 16, "by hand")
-    log = TrackLog("auto", FOUND_AGAIN.records, np.full(len(t_us), -1, np.int16))
+    log = TrackLog("adaptive", FOUND_AGAIN.records, np.full(len(t_us), -1, np.int16))
     columns = collect(Material(recording, {}, (Side("software", log),), None), 100).columns
     steps = zip(columns["software.alive_t"].values.tolist(), columns["software.alive"].values.tolist(), strict=True)
     assert list(steps) == [(0, 1), (15, 2), (20, 1), (50, 2), (60, 1), (80, 0)]

@@ -14,7 +14,7 @@ def log_of(owner: list[int], *rows: tuple[int, int, Kind, int]) -> TrackLog:
     records = np.zeros(len(rows), TRACK)
     for record, (index, t_us, kind, slot) in zip(records, rows, strict=True):
         record["event_index"], record["t_us"], record["kind"], record["slot"] = index, t_us, kind, slot
-    return TrackLog("cot-rtl", records, np.array(owner, np.int16))
+    return TrackLog("cot_array", records, np.array(owner, np.int16))
 
 
 def test_a_cluster_waits_and_is_lost() -> None:

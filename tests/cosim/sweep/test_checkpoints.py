@@ -42,7 +42,7 @@ def exact(row: dict[str, Any]) -> dict[str, Any]:
     return {name: row.get(name) for name in ("key", "status", "error", "warnings", "content", *METRICS)}
 
 
-@pytest.mark.parametrize("engine", ["rtl", "cot", "rct"])
+@pytest.mark.parametrize("engine", ["rtl", "cot_array", "rct"])
 def test_a_run_that_is_ended_goes_on(engine: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     task = task_of(tmp_path, engine)
     saved: list[int] = []
@@ -70,7 +70,7 @@ def test_a_run_that_is_ended_goes_on(engine: str, tmp_path: Path, monkeypatch: p
 
 
 def test_a_worker_that_is_killed_is_followed_by_one_that_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    task = task_of(tmp_path, "cot")
+    task = task_of(tmp_path, "cot_array")
     with LocalPool(partial(dies_once, tmp_path), 1) as pool:
         (done,) = pool.run([task])
     assert done.attempts == 2
@@ -84,5 +84,5 @@ def test_a_worker_that_is_killed_is_followed_by_one_that_goes_on(tmp_path: Path,
 def test_without_a_cache_a_run_is_done_without_checkpoints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("")
     small(monkeypatch, tmp_path / "file")
-    row = execute.execute(task_of(tmp_path, "cot"))
+    row = execute.execute(task_of(tmp_path, "cot_array"))
     assert (row["status"], row["error"]) == ("done", "")

@@ -70,7 +70,7 @@ def connected(function: Callable[[Any], Any], address: str, workers: int = 2) ->
 
 def spec_of(folder: Path) -> Spec:
     values: dict[str, Any] = {
-        "recordings": [str(folder)], "engines": ["rct", "cot"], "preset": "discs", "objectives": {"hota": "max"},
+        "recordings": [str(folder)], "engines": ["rct", "cot_array"], "preset": "discs", "objectives": {"hota": "max"},
         "fields": {"rct.radius_px": [6.0, 9.0], "cot.init_radix": [8, 10]},
     }  # fmt: skip
     return spec_from(values, folder, "small")

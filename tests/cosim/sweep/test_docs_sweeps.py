@@ -32,7 +32,7 @@ def test_the_queries_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     duckdb = pytest.importorskip("duckdb")
     recorded(tmp_path, 1)
     values = {
-        "recordings": ["discs1.npz"], "engines": ["rct", "cot"], "preset": "discs",
+        "recordings": ["discs1.npz"], "engines": ["rct", "cot_array"], "preset": "discs",
         "fields": {"rct.radius_px": [6.0, 9.0], "cot.init_radix": [8, 10, 30], "shape.n_slots": [2, 4]},
     }  # fmt: skip
     # 30 is above radix_max with every number of slots, but not for the tracker in software.
@@ -47,6 +47,6 @@ def test_the_queries_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert costs == sorted(costs)
     assert 1 <= len(front) <= 12
     assert {row[0] for row in faults} == {"invalid"}
-    assert {row[1] for row in took} == {"rct", "cot"}
+    assert {row[1] for row in took} == {"rct", "cot_array"}
     assert sum(row[2] for row in took) == swept.runs
     assert plan[0][0] == swept.runs - len(faults)

@@ -44,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def spec_of(folder: Path, **more: Any) -> Spec:
     values: dict[str, Any] = {
-        "recordings": [str(folder)], "engines": ["rct", "cot"], "preset": "discs", "objectives": {"hota": "max"},
+        "recordings": [str(folder)], "engines": ["rct", "cot_array"], "preset": "discs", "objectives": {"hota": "max"},
         "fields": {"rct.radius_px": RADII, "cot.init_radix": [8], "filters.refractory_us": [0, 500]},
     }  # fmt: skip
     return spec_from(values | more, folder, "small")
@@ -68,8 +68,8 @@ def test_each_distinct_run_is_done_once(once: tuple[Swept, Path]) -> None:
     # The tracker knows nothing of registers, the model nothing of radius_px: 2 x 2 and 1 x 2 configurations on 2 recordings.
     assert (swept.runs, swept.new, dict(swept.counts)) == (12, 12, {"done": 12})
     rows = read_rows(out)
-    assert sorted(row["engine"] for row in rows) == ["cot"] * 4 + ["rct"] * 8
-    assert {row["rct.radius_px"] for row in rows if row["engine"] == "cot"} == {None}
+    assert sorted(row["engine"] for row in rows) == ["cot_array"] * 4 + ["rct"] * 8
+    assert {row["rct.radius_px"] for row in rows if row["engine"] == "cot_array"} == {None}
 
 
 def test_a_row_is_what_track_and_evaluate_say(once: tuple[Swept, Path], folder: Path) -> None:
@@ -170,7 +170,7 @@ def test_the_key_is_of_contents_not_of_names(folder: Path, tmp_path: Path) -> No
 def test_a_damaged_file_and_settings_that_contradict_each_other_are_rows(tmp_path: Path) -> None:
     path = recorded(tmp_path, 1)
     (tmp_path / "bad.csv.txt").write_text("t,x,y,p\n0,1,1,1\n5,2,2,0\n4,95,x,1\n")
-    spec = spec_of(tmp_path, engines=["cot"], fields={"cot.init_radix": [8, 10], "cot.radix_max": [9, 12]})
+    spec = spec_of(tmp_path, engines=["cot_array"], fields={"cot.init_radix": [8, 10], "cot.radix_max": [9, 12]})
     swept = run_sweep(spec, tmp_path.with_name("damaged"), jobs=1)
     assert dict(swept.counts) == {"done": 3, "failed": 4, "invalid": 1}, "the damaged file ends before its settings count"
     rows = read_rows(swept.folder)
@@ -185,10 +185,10 @@ def test_a_damaged_file_and_settings_that_contradict_each_other_are_rows(tmp_pat
     ("more", "why"),
     [
         ({"enginess": ["rct"]}, "unknown field 'enginess': must be one of "),
-        ({"engines": ["rtc"]}, "engines: 'rtc': must be one of auto, rct, "),
+        ({"engines": ["rtc"]}, "engines: 'rtc': must be one of cot_motion, cot_array, "),
         ({"recordings": ["gone.raw"]}, "gone.raw: is missing: must be a recording"),
         ({"fields": {"rct.radius": [1.0]}}, "fields.rct.radius: no such field"),
-        ({"fields": {"cot.init_radix": [8, 200]}}, "no run of engine cot is possible with [cot.init_radix,200]: cot.slot[0]"),
+        ({"fields": {"cot.init_radix": [8, 200]}}, "no run of engine cot_array is possible with [cot.init_radix,200]: "),
         ({"objectives": {"hotta": "max"}}, "objectives.hotta: no such metric: must be one of hota, "),
         ({"objectives": {"hota": "up"}}, "objectives.hota = 'up': must be max or min"),
         ({"seeds": {"from": 4, "to": 3}}, "seeds: from 4 to 3: must not be negative or empty"),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from evcot.errors import OutputError
-from evcot_cosim.names import Top
+from evcot.hardware.modules import Module
 from evcot_cosim.waves import Wave
 from evcot_cosim.waves.fst import fst_writer, write_fst
 
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(fst_writer() is None, reason="needs pylibfst")
 
 
 @pytest.mark.skipif(shutil.which("fst2vcd") is None, reason="needs fst2vcd, of GTKWave")
-def test_says_what_the_vcd_says(vcds: dict[Top, Path], tmp_path: Path) -> None:
+def test_says_what_the_vcd_says(vcds: dict[Module, Path], tmp_path: Path) -> None:
     vcd = vcds["cot_array"]
     write_fst(vcd, tmp_path / "x.fst")
     assert (tmp_path / "x.fst").stat().st_size < vcd.stat().st_size / 4
@@ -35,7 +35,7 @@ def test_says_what_the_vcd_says(vcds: dict[Top, Path], tmp_path: Path) -> None:
         assert np.array_equal(s[path].values, t[path].values), path
 
 
-def test_is_whole_or_not_there(vcds: dict[Top, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_is_whole_or_not_there(vcds: dict[Module, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(OutputError, match=r"none/x\.fst: cannot be written"):
         write_fst(vcds["cot_array"], tmp_path / "none" / "x.fst")
 

@@ -19,12 +19,12 @@ from evcot.errors import OutputError
 from evcot.events import Events
 from evcot.filters.contract import Filter
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import Mode, Shape, State
-from evcot.hardware.motion.contract import SUB, MotionRegisters
+from evcot.hardware.modules import Module
+from evcot.hardware.motion.contract import SUB
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device
-from evcot_cosim.names import Top
 from evcot_cosim.waves import VcdError, Wave
 from evcot_cosim.waves.gtkwave import write_view
 from evcot_cosim.waves.views import VIEWS, WITH_MOTION
@@ -87,7 +87,7 @@ class View:
 
 
 @pytest.fixture
-def folder(vcds: dict[Top, Path], tmp_path: Path) -> Path:
+def folder(vcds: dict[Module, Path], tmp_path: Path) -> Path:
     """A run's folder with the waveform and the view of each arrangement."""
     folder = tmp_path / "run"
     folder.mkdir()
@@ -116,9 +116,9 @@ def test_everything_in_the_table_exists_in_the_hardware(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
-def test_trackers_behind_filters_are_shown_as_on_their_own(top: Top, config: CotConfig, folder: Path) -> None:
+def test_trackers_behind_filters_are_shown_as_on_their_own(top: Module, config: CotConfig, folder: Path) -> None:
     alone = View(folder / f"{top}.gtkw")
-    device = Device(replace(config, filters=FilterRegisters(enable=1 << Filter.POLARITY)), top)
+    device = Device(replace(config, filters=FilterRegisters(enable=1 << Filter.POLARITY), module=top))
     with device.dumping(folder / "filtered.vcd"):
         device.stream(ticked(1, 60, 60))
     write_view(folder / "filtered.vcd", folder / "filtered.gtkw")
@@ -130,10 +130,10 @@ def test_trackers_behind_filters_are_shown_as_on_their_own(top: Top, config: Cot
 
 @pytest.fixture(scope="module", params=[0, 1 << Filter.POLARITY], ids=["alone", "behind filters"])
 def moving(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The waveform and view of an array with motion, on an object in the corner, whose first box reaches beyond it."""
+    """The waveform and view of cot_motion, on an object in the corner, whose first box reaches beyond it."""
     folder = tmp_path_factory.mktemp("moving")
     shape = Shape(n_slots=3, x_w=7, y_w=7)
-    config = CotConfig(shape, motion=MotionRegisters(enable=1), filters=FilterRegisters(enable=request.param))
+    config = MotionConfig(shape, filters=FilterRegisters(enable=request.param))
     n, random = 400, np.random.default_rng(7)
     x, y = random.integers(0, 8, (2, n)).astype(np.uint16)
     x[0] = y[0] = 1
@@ -390,7 +390,7 @@ def test_gtkwave_shows_every_value_after_the_folder_has_been_renamed(
 @pytest.mark.parametrize("slots", [1, 2])
 def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_path: Path) -> None:
     shape = replace(config.shape, n_slots=slots)
-    device = Device(CotConfig(shape, config.slots[:slots]), "cot_array")
+    device = Device(CotConfig(shape, config.slots[:slots]))
     with device.dumping(tmp_path / "run.vcd"):
         device.stream(ticked(1, 60, 60))
     write_view(tmp_path / "run.vcd", tmp_path / "run.gtkw")

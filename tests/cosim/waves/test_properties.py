@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
-from evcot_cosim.names import Top
+from evcot.hardware.modules import Module
 from evcot_cosim.waves import Wave
 from evcot_cosim.waves.properties import judge, load_properties
 
@@ -23,7 +23,7 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def test_each_property_has_a_verdict_in_the_order_of_the_file(vcds: dict[Top, Path], tmp_path: Path) -> None:
+def test_each_property_has_a_verdict_in_the_order_of_the_file(vcds: dict[Module, Path], tmp_path: Path) -> None:
     path = written(
         tmp_path,
         "def property_seldom(s): return sometime(s['TOP.m_cm_valid'])\n"
@@ -41,7 +41,7 @@ def test_each_property_has_a_verdict_in_the_order_of_the_file(vcds: dict[Top, Pa
     assert bare.message == "line 6: AssertionError"
 
 
-def test_without_a_file_streams_hold_their_offers(vcds: dict[Top, Path], tmp_path: Path) -> None:
+def test_without_a_file_streams_hold_their_offers(vcds: dict[Module, Path], tmp_path: Path) -> None:
     (verdict,) = judge(load_properties(None), vcds["cot_array"], "TOP.clk")
     assert (verdict.name, verdict.holds) == ("streams_hold_their_offers", True)
     assert verdict.cases > 100
@@ -90,7 +90,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
     ],
 )
 def test_a_property_that_makes_no_sense_is_named_with_its_line(
-    text: str, message: str, vcds: dict[Top, Path], tmp_path: Path
+    text: str, message: str, vcds: dict[Module, Path], tmp_path: Path
 ) -> None:
     path = written(tmp_path, f"def property_x(s):\n    {text}\n")
     with pytest.raises(ConfigError) as error:

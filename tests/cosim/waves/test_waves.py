@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,9 @@ from numpy.typing import NDArray
 from evcot.errors import ConfigError, OutputError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig
+from evcot.hardware.modules import Module
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, build_device
-from evcot_cosim.names import Top
 from evcot_cosim.waves import Samples, Wave
 from evcot_cosim.waves.window import Window, write_waves
 
@@ -63,8 +64,8 @@ def addresses(events: Events, window: Window) -> Sequence[int]:
 
 
 @pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
-def test_shows_every_event_of_its_window(config: CotConfig, blobs: Events, top: Top, tmp_path: Path) -> None:
-    vcd, view = write_waves(blobs, config, tmp_path, WINDOW, top=top, name="moment")
+def test_shows_every_event_of_its_window(config: CotConfig, blobs: Events, top: Module, tmp_path: Path) -> None:
+    vcd, view = write_waves(blobs, replace(config, module=top), tmp_path, WINDOW, name="moment")
     assert (vcd, view) == (tmp_path / "moment.vcd", tmp_path / "moment.gtkw")
     s = Wave.open(vcd).sampled("TOP.clk")
     shown, wanted = entered(s).tolist(), addresses(blobs, WINDOW)
@@ -74,7 +75,7 @@ def test_shows_every_event_of_its_window(config: CotConfig, blobs: Events, top: 
 
 
 def test_is_clock_for_clock_the_run_that_it_shows(
-    config: CotConfig, blobs: Events, stalls: Stalls, vcds: dict[Top, Path], tmp_path: Path
+    config: CotConfig, blobs: Events, stalls: Stalls, vcds: dict[Module, Path], tmp_path: Path
 ) -> None:
     """The same stalls, the same clocks: every signal of the array, at every clock of the window, as in the whole run."""
     vcd, _ = write_waves(blobs, config, tmp_path, WINDOW, stalls=stalls)

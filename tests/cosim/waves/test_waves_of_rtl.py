@@ -20,9 +20,9 @@ from evcot.events import Events
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import State
 from evcot.hardware.lfsr import Lfsr
+from evcot.hardware.modules import Module
 from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.device import Device
-from evcot_cosim.names import Top
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import copy_rtl
 from evcot_cosim.waves import (
@@ -91,18 +91,18 @@ def open_tracker(vcd: Path, slot: int) -> Scope:
 
 
 @pytest.fixture(scope="module")
-def array(vcds: dict[Top, Path]) -> Scope:
+def array(vcds: dict[Module, Path]) -> Scope:
     return open_array(vcds["cot_array"])
 
 
 @pytest.fixture(scope="module", params=SLOTS)
-def tracker(vcds: dict[Top, Path], request: pytest.FixtureRequest) -> Scope:
+def tracker(vcds: dict[Module, Path], request: pytest.FixtureRequest) -> Scope:
     """Every tracker of the chain in turn."""
     return open_tracker(vcds["cot_chain"], request.param)
 
 
 @pytest.fixture(scope="module")
-def first(vcds: dict[Top, Path]) -> Scope:
+def first(vcds: dict[Module, Path]) -> Scope:
     """The chain's first tracker."""
     return open_tracker(vcds["cot_chain"], 0)
 
@@ -195,7 +195,7 @@ def test_every_stream_of_the_array_holds_its_offer_until_it_is_taken(array: Scop
 
 
 @pytest.mark.parametrize("prefix", STREAMS)
-def test_every_stream_of_the_chain_holds_its_offer_until_it_is_taken(vcds: dict[Top, Path], prefix: str) -> None:
+def test_every_stream_of_the_chain_holds_its_offer_until_it_is_taken(vcds: dict[Module, Path], prefix: str) -> None:
     samples = Wave.open(vcds["cot_chain"], ["TOP.cot_chain.*"]).sampled("TOP.cot_chain.clk")
     assert stream_holds(Scope(samples, "TOP.cot_chain"), prefix) > 0
 
@@ -278,8 +278,8 @@ def test_a_timer_that_does_not_restart_in_the_verilog_is_found_out(config: CotCo
     restart = "collecting <= 1'b1;\n            tc         <= {TC_W{1'b0}};"
     assert source.count(restart) == 1
     (verilog / "cot.v").write_text(source.replace(restart, restart.partition("\n")[0]))
-    one = CotConfig.uniform(replace(config.shape, n_slots=1), config.slots[0])
-    device = Device(one, "cot", verilog=verilog)
+    one = CotConfig.uniform(replace(config.shape, n_slots=1), config.slots[0], module="cot")
+    device = Device(one, verilog=verilog)
     with device.dumping(tmp_path / "run.vcd"):
         device.stream(blobs[:200])
     scope = Scope(Wave.open(tmp_path / "run.vcd", ["TOP.cot.*"]).sampled("TOP.cot.clk"), "TOP.cot")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Records on AXI4-Stream are contract.RECORD byte for byte, with motion MOTION_RECORD, in beats of any width."""
+"""Records on AXI4-Stream are contract.RECORD byte for byte, of cot_motion MOTION_RECORD, in beats of any width."""
 
 from __future__ import annotations
 

@@ -17,8 +17,9 @@ from evcot.filters.contract import Filter, FilterShape, mask_word
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode
-from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.hardware.cot import CotModel
 from evcot.hardware.lfsr_event_source import LfsrEventSource
+from evcot.hardware.model import Decisions
 from evcot.hardware.register_access import Registers
 from evcot.hardware.streams import pack_events
 from evcot.recordings.files import read_recording
@@ -45,10 +46,6 @@ from support.trials import random_config
 TRACKERS = ("array behind filters", "array", "chain")
 STATUS, CONTROL = address_of("status"), address_of("control")
 PENDING = 2
-
-
-def arrangement(name: str) -> Arrangement:
-    return Arrangement.CHAIN if name == "chain" else Arrangement.ARRAY
 
 
 def words_of(traffic: TickedEvents) -> NDArray[np.uint64]:
@@ -78,14 +75,14 @@ def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
     kinds = dict.fromkeys(Kind, 0)
     for run in range(5):
         rng = np.random.default_rng([31, run])
-        config = replace(random_config(rng, build.shape), filter_shape=build.filter_shape)
+        config = replace(random_config(rng, build.shape, build.module), filter_shape=build.filter_shape)
         if build.parameters.get("HAS") == 255 and run % 2:
             config = replace(
                 config, filters=FilterRegisters(enable=1 << Filter.REFRACTORY, refractory_ticks=int(rng.integers(1, 30)))
             )
         device = device_of(name, config, pace=Pace.random(rng) if run else None)
         device.configure()
-        model = CotModel(config, arrangement(name))
+        model = CotModel(config)
         since, first, zero = 0, 0, -1
         for _ in range(2):
             traffic = traffic_of(rng, build, 8_000, since)
@@ -108,7 +105,7 @@ def test_a_recording_gives_the_log_of_the_golden_model() -> None:
     if not path.exists():
         pytest.skip(f"{path} is not there")
     events = read_recording(path).events[:150_000]
-    config = replace(DVS128.cot, filter_shape=FilterShape(128, 128))
+    config = replace(DVS128.hardware, filter_shape=FilterShape(128, 128))
     device = device_of("array", config)
     device.configure()
     played = device.run(pack_events(events.t_us, events.x, events.y, events.p))
@@ -164,7 +161,7 @@ def changed_in_flow(
     assert np.all(seqs <= np.searchsorted(played.accepted, played.commands["ended"][ends]))
     assert np.all(seqs + 64 >= np.searchsorted(played.accepted, began))
 
-    model = CotModel(config, arrangement(name))
+    model = CotModel(config)
     events = replace(traffic, ticks=traffic.ticks - traffic.ticks[0])
     parts, at = [], 0
     for change, seq in zip(changes, seqs, strict=True):
@@ -191,7 +188,7 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
     total = {"changes": 0, "lives that went on": 0, "lives that ended": 0}
     for run in range(4):
         rng = np.random.default_rng([77, run])
-        config = replace(random_config(rng, build.shape), filter_shape=build.filter_shape)
+        config = replace(random_config(rng, build.shape, build.module), filter_shape=build.filter_shape)
         device = device_of(name, config, pace=Pace.random(rng) if run else None)
         device.configure()
         n, count = 12_000, 40
@@ -215,7 +212,7 @@ def test_the_last_events_of_a_run_are_exact_where_registers_change_among_them(na
     behind = owned = 0
     for run in range(LAST_RUNS):
         rng = np.random.default_rng([78, run])
-        config = replace(random_config(rng, build.shape), filter_shape=build.filter_shape)
+        config = replace(random_config(rng, build.shape, build.module), filter_shape=build.filter_shape)
         device = device_of(name, config, pace=Pace.random(rng) if run % 4 else None)
         device.configure()
         n, count = int(rng.integers(60, 400)), int(rng.integers(1, 5))
@@ -257,7 +254,9 @@ def test_filters_change_between_two_events(seed: int) -> None:
     rng = np.random.default_rng([9, seed])
     build = BUILDS["array"]
     config = replace(
-        random_config(rng, build.shape), filter_shape=build.filter_shape, filters=FilterRegisters(enable=1, region_x1=90)
+        random_config(rng, build.shape, build.module),
+        filter_shape=build.filter_shape,
+        filters=FilterRegisters(enable=1, region_x1=90),
     )
     device = device_of("array", config, pace=Pace.random(rng))
     device.configure()
@@ -281,7 +280,7 @@ def test_filters_change_between_two_events(seed: int) -> None:
 def test_counters_add_up() -> None:
     rng = np.random.default_rng(12)
     build = BUILDS["array behind filters"]
-    config = replace(random_config(rng, build.shape), filters=FilterRegisters(enable=1, region_x1=30))
+    config = replace(random_config(rng, build.shape, build.module), filters=FilterRegisters(enable=1, region_x1=30))
     device = device_of("array behind filters", config)
     device.configure()
     traffic = traffic_of(rng, build, 5_000)
@@ -576,7 +575,7 @@ def test_soft_reset_keeps_what_was_written_and_starts_over() -> None:
 def test_ticks_of_several_microseconds() -> None:
     rng = np.random.default_rng(15)
     build = BUILDS["chain"]
-    config = random_config(rng, build.shape)
+    config = random_config(rng, build.shape, build.module)
     device = device_of("chain", config)
     registers = Registers(device)
     registers.tick_us = 50
@@ -585,7 +584,7 @@ def test_ticks_of_several_microseconds() -> None:
     traffic = traffic_of(rng, build, 4_000)
     events = Events(1_000_000 + traffic.ticks * 37, traffic.x, traffic.y, traffic.p)
     played = device.run(pack_events(events.t_us, events.x, events.y, events.p))
-    golden = CotModel(config, Arrangement.CHAIN).feed(TickedEvents.of(events, 50))
+    golden = CotModel(config).feed(TickedEvents.of(events, 50))
     assert_same(played.decisions(0, 4_000, True), golden, chain=True)
 
 
@@ -610,4 +609,4 @@ def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:
 
 def test_refuses_a_source_that_was_not_built() -> None:
     with pytest.raises(ToolchainError, match="SOURCE must be one of SOURCES"):
-        TopDevice(replace(DVS128.cot, filter_shape=BUILDS["array"].filter_shape), {"SOURCES": 1, "SOURCE": 3})
+        TopDevice(replace(DVS128.hardware, filter_shape=BUILDS["array"].filter_shape), {"SOURCES": 1, "SOURCE": 3})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""evcot_top with the array with motion: its records, registers and resets, in lock-step with the golden model."""
+"""evcot_top with cot_motion: its records, registers and resets, in lock-step with the golden model."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ import pytest
 from evcot.errors import ConfigError
 from evcot.filters.contract import Filter
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import CotConfig, MotionConfig, with_module
 from evcot.hardware.contract import REGISTERS, Mode
-from evcot.hardware.cot import CotModel, Decisions
+from evcot.hardware.model import Decisions
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RULES, MotionRegisters
+from evcot.hardware.motion.model import MotionModel
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import pack_events
@@ -44,7 +45,7 @@ STATUS, CONTROL, FAULT = address_of("status"), address_of("control"), address_of
 SETTLED = poll(STATUS, 2, 0)
 CLAMPED, REFUSED, LOCKED, UNMAPPED = 1, 2, 4, 8
 SLVERR = 2
-CONFIG = CotConfig(SHAPE, motion=QUICK, filter_shape=SENSOR)
+CONFIG = MotionConfig(SHAPE, QUICK, filter_shape=SENSOR)
 BANK_OF = {name: bank for bank, registers in MOTION_BANKS.items() for name in registers}
 
 
@@ -86,7 +87,7 @@ def test_scenes_random_registers_and_stalls_are_exact(seed: int) -> None:
     traffic = scene(seed) if seed < 2 else random_outlines(rng, SHAPE, 5_000, 2.0)
     device = device_of("motion", config, pace=Pace.random(rng) if seed else None)
     device.configure()
-    model, half = CotModel(config), len(traffic) // 2
+    model, half = MotionModel(config), len(traffic) // 2
     for begin, part in ((0, traffic[:half]), (half, traffic[half:])):
         played = device.run(words_of(part))
         golden = model.feed(started(traffic)[begin : begin + len(part)])
@@ -104,7 +105,7 @@ def test_registers_change_between_two_events_and_lives_go_on() -> None:
     ended = births = 0
     for run in range(4):
         rng = np.random.default_rng([41, run])
-        config = replace(CONFIG, motion=replace(QUICK, birth_support=8, birth_ticks=20))
+        config = replace(CONFIG, registers=replace(QUICK, birth_support=8, birth_ticks=20))
         device = device_of("motion", config, pace=Pace.random(rng) if run else None)
         done = rewritten(device, config, scene(10 + run), rng, 24)
         assert len(set(done.at.tolist())) > 15
@@ -123,7 +124,7 @@ def test_a_commit_leaves_the_steps_where_they_are() -> None:
     device.configure()
     commits = [write(bank_address("motion"), 1, after) for after in range(40, 1_900, 37)]
     played = device.run(words_of(traffic), [command for commit in commits for command in (commit, SETTLED)])
-    assert_same(played.decisions(0, len(traffic)), CotModel(CONFIG).feed(started(traffic)))
+    assert_same(played.decisions(0, len(traffic)), MotionModel(CONFIG).feed(started(traffic)))
 
 
 @pytest.mark.parametrize("rule", MOTION_RULES, ids=lambda rule: str(rule.less))
@@ -139,7 +140,7 @@ def test_a_commit_of_values_that_contradict_each_other_is_refused_as_a_whole(rul
     assert fault(device) == (REFUSED, bank_address(bank))
     traffic = scene(6)[:1_500]
     played = device.run(words_of(traffic))
-    assert_same(played.decisions(0, len(traffic)), CotModel(CONFIG).feed(started(traffic)))
+    assert_same(played.decisions(0, len(traffic)), MotionModel(CONFIG).feed(started(traffic)))
     assert device.read(address_of("commits")) == commits
     assert device.read(bank_address(bank, rule.less)) == high + 1  # what was written is there to be mended
     device.write(bank_address(bank, rule.less), high)
@@ -152,12 +153,12 @@ def test_after_reset_the_registers_have_their_defaults_and_contradict_nothing() 
     for bank, registers in MOTION_BANKS.items():
         for name, register in registers.items():
             assert device.read(bank_address(bank, name)) == register.start == getattr(MotionRegisters(), name)
-    untouched = replace(CONFIG, motion=MotionRegisters(enable=1))
+    untouched = replace(CONFIG, registers=MotionRegisters())
     device = device_of("motion", untouched)
     slots = [write(slot_address(slot, name), 2 if name == "mode" else 1) for slot in range(5) for name in ("mode", "commit")]
     device.run(commands=[*slots, *(write(bank_address(bank), 1) for bank in MOTION_BANKS), SETTLED, write(CONTROL, 1)])
     traffic = scene(7)
-    golden = CotModel(untouched).feed(started(traffic))
+    golden = MotionModel(untouched).feed(started(traffic))
     assert np.count_nonzero(golden.owner >= 0) > 3_000
     assert_same(device.run(words_of(traffic)).decisions(0, len(traffic)), golden)
 
@@ -202,10 +203,9 @@ def test_other_hardware_does_not_have_the_registers_and_says_what_builds_them(na
             assert fault(device) == (UNMAPPED, bank_address(bank, register))
         with pytest.raises(ConfigError) as caught:
             getattr(Registers(device), bank)
-        tracker = BUILDS[name].parameters["TRACKER"]
+        tracker = register_map().trackers.index(name)
         assert str(caught.value) == (
-            f"the hardware has no registers {bank}: it was built with TRACKER = {tracker}; "
-            "TRACKER = 2 builds an array with motion"
+            f"the hardware has no registers {bank}: it was built with TRACKER = {tracker}; TRACKER = 2 builds cot_motion"
         )
 
 
@@ -257,7 +257,7 @@ def test_no_access_waits_longer_than_64_clocks() -> None:
 
 def test_a_soft_reset_cuts_no_record_and_keeps_what_was_written() -> None:
     traffic = scene(3)[:1_500]
-    golden = CotModel(CONFIG).feed(started(traffic))
+    golden = MotionModel(CONFIG).feed(started(traffic))
     rng, cut = np.random.default_rng(12), 0
     for at in range(300, 1_300, 250):
         device = device_of("motion", CONFIG, pace=Pace.random(rng))
@@ -291,16 +291,17 @@ def test_interrupts_and_counters() -> None:
 
 
 def test_a_device_is_what_its_configuration_asks_for() -> None:
-    without = replace(CONFIG, motion=MotionRegisters())
-    said = r"^motion.enable = 1: must be 0 for an evcot_top with TRACKER = 1 \(chain\); TRACKER = 2 has motion$"
-    with pytest.raises(ConfigError, match=said):
+    array = CotConfig(SHAPE, filter_shape=SENSOR)
+    with pytest.raises(ConfigError, match=r"^TRACKER = 1: must be 2, that of cot_motion$"):
         TopDevice(CONFIG, {"TRACKER": 1})
-    with pytest.raises(ConfigError, match=r"^motion.enable = 0: must be 1 for an evcot_top with TRACKER = 2 \(motion\)$"):
-        TopDevice(without, {"TRACKER": 2})
-    with pytest.raises(ConfigError, match=r"^shape.time_w = 31: must be from 32 to 48 with motion.enable = 1$"):
-        TopDevice(replace(CONFIG, shape=replace(SHAPE, time_w=31, tc_w=17)))
-    with pytest.raises(ConfigError, match=r"^motion.enable = 0: must be 1, as it was built$"):
-        device_of("motion", CONFIG).configure(without)
+    with pytest.raises(ConfigError, match=r"^TRACKER = 2: must be 0, that of cot_array$"):
+        TopDevice(array, {"TRACKER": 2})
+    with pytest.raises(ConfigError, match=r"^module = 'cot': must be one of cot_array, cot_chain, cot_motion for evcot_top$"):
+        TopDevice(with_module(array, "cot"))
+    with pytest.raises(ConfigError, match=r"^shape.time_w = 31: must be from 32 to 48 for cot_motion$"):
+        replace(CONFIG, shape=replace(SHAPE, time_w=31, tc_w=17))
+    with pytest.raises(ConfigError, match=r"^module = 'cot_array': must be 'cot_motion', as it was built$"):
+        device_of("motion", CONFIG).configure(array)
     assert not {slot_address(0, name) for name in REGISTERS if name != "mode"} & {
         address for _, _, address, _, _ in configuration(CONFIG)
     }

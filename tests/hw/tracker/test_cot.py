@@ -14,9 +14,9 @@ import pytest
 
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
+from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.names import Top
 from support.testing import Sink, Source, always, run_streams
 from support.ticked import ticked
 from support.trials import ENGINES, Outcome, bare_device, compare_random_runs, random_traffic, run_story
@@ -39,13 +39,13 @@ Player = Callable[..., Outcome]
 Event = tuple[int, int, int]
 
 
-@pytest.fixture(params=[(top, engine) for top in ("cot", "cot_array") for engine in ENGINES], ids="-".join)
+@pytest.fixture(params=[(module, engine) for module in ("cot", "cot_array") for engine in ENGINES], ids="-".join)
 def play(request: pytest.FixtureRequest) -> Player:
     """Tells a story to one engine with a slot's registers, by default FIXED with some changed."""
-    top, engine = request.param
+    module, engine = request.param
 
     def teller(story: Iterable[Event], shape: Shape = SHAPE, **registers: int) -> Outcome:
-        return run_story(story, CotConfig(shape, (replace(FIXED, **registers),)), top, engine)
+        return run_story(story, CotConfig(shape, (replace(FIXED, **registers),)), module, engine)
 
     return teller
 
@@ -321,11 +321,11 @@ class TestRadius:
         assert self.radii(run) == [8, 5]
 
 
-@pytest.mark.parametrize("top", ["cot", "cot_array", "cot_chain"])
+@pytest.mark.parametrize("module", ["cot", "cot_array", "cot_chain"])
 @pytest.mark.parametrize("born", [True, False])
-def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(top: Top, born: bool) -> None:
-    config = CotConfig(SHAPE, (replace(FIXED, **n_ev_of(3)),))
-    device = bare_device(config, top)
+def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(module: Module, born: bool) -> None:
+    config = CotConfig(SHAPE, (replace(FIXED, **n_ev_of(3)),), module=module)
+    device = bare_device(config)
     io = device.sim.io
     n = 5 if born else 2
     device.stream(ticked(np.arange(10, 10 + n), 64, 64))
@@ -345,8 +345,8 @@ def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(top: Top, born: 
 
 
 def test_a_mode_write_after_a_passed_event_names_the_next_one_too() -> None:
-    config = CotConfig(SHAPE, (replace(FIXED, **n_ev_of(1)),))
-    device = bare_device(config, "cot")
+    config = CotConfig(SHAPE, (replace(FIXED, **n_ev_of(1)),), module="cot")
+    device = bare_device(config)
     device.stream(ticked([1, 2], [64, 0], [64, 0]))
     device.sim.io.m_cm_ready = 0
     device.write_registers(0, config.slots[0])
@@ -357,7 +357,7 @@ def test_a_mode_write_after_a_passed_event_names_the_next_one_too() -> None:
 
 def timed(story: list[Event], **registers: int) -> tuple[list[int], list[int]]:
     """Clocks at which the events went in and the records came out, nothing stalled."""
-    device = bare_device(CotConfig(SHAPE, (replace(FIXED, **registers),)), "cot")
+    device = bare_device(CotConfig(SHAPE, (replace(FIXED, **registers),), module="cot"))
     _, times = device.stream_timed(ticked(*np.array(story).T))
     return times.accepted.tolist(), times.recorded.tolist()
 
@@ -387,7 +387,7 @@ class TestClocks:
         assert len(recorded) == (4 if n == 1 else 0)
 
     def test_owned_and_passed_events_come_out_after_2_clocks(self) -> None:
-        device = bare_device(CotConfig(SHAPE, (FIXED,)), "cot")
+        device = bare_device(CotConfig(SHAPE, (FIXED,), module="cot"))
         io = device.sim.io
         for x, prefix in ((64, "own"), (0, "pass")):
             io.s_valid, io.s_tick, io.s_event, io.s_x, io.s_y = 1, 0, 1, x, 64
@@ -404,7 +404,7 @@ class TestClocks:
 
 
 def test_ticks_travel_on_whether_the_event_does_or_not() -> None:
-    device = bare_device(CotConfig(SHAPE, (replace(FIXED, **n_ev_of(2)),)), "cot")
+    device = bare_device(CotConfig(SHAPE, (replace(FIXED, **n_ev_of(2)),), module="cot"))
     fields = ["tick", "event", "x", "y", "p", "seq"]
     tokens = [
         (5, 1, 64, 64, 1, 0),
@@ -441,10 +441,10 @@ def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
 
 def test_decisions_do_not_depend_on_stalls() -> None:
     rng = np.random.default_rng(8)
-    config = CotConfig(SHAPE, (replace(FIXED, mode=Mode.SEEDED, **n_ev_of(3)),))
+    config = CotConfig(SHAPE, (replace(FIXED, mode=Mode.SEEDED, **n_ev_of(3)),), module="cot")
     traffic = random_traffic(rng, SHAPE, 20_000, 2)
     patterns = (Stalls(), Stalls.random(rng), Stalls.random(rng))
-    runs = [bare_device(config, "cot", stalls=stalls).stream(traffic) for stalls in patterns]
+    runs = [bare_device(config, stalls=stalls).stream(traffic) for stalls in patterns]
     assert len(runs[0].records) > 100
     for other in runs[1:]:
         assert all(np.array_equal(mine, theirs) for mine, theirs in zip(runs[0], other, strict=True))

@@ -94,7 +94,7 @@ def test_an_event_that_no_tracker_wants_comes_out_at_the_end(engine: Engine) -> 
 
 
 def test_time_goes_on_where_nobody_takes_what_passes() -> None:
-    device = bare_device(CotConfig(SHAPE, (JUMPY,) * 3), "cot_chain")
+    device = bare_device(CotConfig(SHAPE, (JUMPY,) * 3, module="cot_chain"))
     device.stream(ticked(0, 20, 20))
     io = device.sim.io
     io.s_valid, io.s_event, io.s_tick, io.m_cm_ready, io.m_pass_ready = 1, 0, 10, 0, 0
@@ -109,14 +109,14 @@ class TestClocks:
     @pytest.mark.parametrize("upstream", [0, 1, 2, 7])
     def test_a_record_comes_later_by_2_clocks_for_every_upstream_tracker(self, upstream: int) -> None:
         shape = EIGHT if upstream > 2 else SHAPE
-        config = CotConfig(shape, (*(OFF,) * upstream, *(JUMPY,) * (shape.n_slots - upstream)))
-        _, times = bare_device(config, "cot_chain").stream_timed(ticked([0] * 20, 64, 64))
+        config = CotConfig(shape, (*(OFF,) * upstream, *(JUMPY,) * (shape.n_slots - upstream)), module="cot_chain")
+        _, times = bare_device(config).stream_timed(ticked([0] * 20, 64, 64))
         assert times.recorded[0] - times.accepted[0] == 7 + 2 * upstream
         assert set(np.diff(times.recorded)) == {5}  # the trackers work side by side: throughput is that of one
 
     def test_an_event_takes_3_clocks_where_no_centre_moves(self) -> None:
-        config = CotConfig(SHAPE, (OFF,) * 3)
-        _, times = bare_device(config, "cot_chain").stream_timed(ticked([0] * 50, 64, 64))
+        config = CotConfig(SHAPE, (OFF,) * 3, module="cot_chain")
+        _, times = bare_device(config).stream_timed(ticked([0] * 50, 64, 64))
         assert set(np.diff(times.accepted)[5:]) == {3}
 
 
@@ -139,10 +139,10 @@ def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
 
 def test_decisions_do_not_depend_on_stalls() -> None:
     rng = np.random.default_rng(8)
-    config = CotConfig(SHAPE, (replace(JUMPY, clust_nev=3, nev_min=3, max_ticks=50),) * 3)
+    config = CotConfig(SHAPE, (replace(JUMPY, clust_nev=3, nev_min=3, max_ticks=50),) * 3, module="cot_chain")
     traffic = random_traffic(rng, SHAPE, 20_000, 2)
     stalls = (Stalls(), Stalls.random(rng), Stalls.random(rng))
-    runs = [bare_device(config, "cot_chain", stalls=pattern).stream(traffic) for pattern in stalls]
+    runs = [bare_device(config, stalls=pattern).stream(traffic) for pattern in stalls]
     assert len(runs[0].records) > 1000
     for other in runs[1:]:
         assert all(np.array_equal(mine, theirs) for mine, theirs in zip(runs[0], other, strict=True))

@@ -11,13 +11,15 @@ import pytest
 from evcot.errors import ConfigError
 from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import Shape
-from evcot.hardware.cot import CotModel, Decisions
+from evcot.hardware.cot import CotModel
+from evcot.hardware.model import Decisions
+from evcot.hardware.modules import Module
+from evcot.hardware.motion.model import MotionModel
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
-from evcot_cosim.names import Top
 from support import moving
 from support.testing import lint
 from support.ticked import ticked
@@ -62,7 +64,7 @@ def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
 
 
 @pytest.mark.parametrize(
-    ("top", "enabled"),
+    ("module", "enabled"),
     [
         ("cot_array", 255),
         ("cot_chain", 255),
@@ -70,15 +72,15 @@ def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
     ],
     ids=["array behind all", "chain behind all", "array behind two"],
 )
-def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled: int) -> None:
+def test_random_filters_registers_traffic_and_stalls_are_exact(module: Module, enabled: int) -> None:
     print("seed 7")
     built, kept, kinds = None, [], dict.fromkeys(Kind, 0)
     for run in range(4):
         rng = np.random.default_rng([7, run, enabled])
-        config = replace(random_config(rng, SHAPE), filters=random_filters(rng, enabled), filter_shape=SENSOR)
-        built = built or build_device(config, top, waves=False)
-        device = bare_device(config, top, model=built, stalls=Stalls.random(rng) if run % 3 else None)
-        model = CotModel(config, device.arrangement)
+        config = replace(random_config(rng, SHAPE, module), filters=random_filters(rng, enabled), filter_shape=SENSOR)
+        built = built or build_device(config, waves=False)
+        device = bare_device(config, model=built, stalls=Stalls.random(rng) if run % 3 else None)
+        model = CotModel(config)
         for part in range(2):
             traffic = random_traffic(rng, SHAPE, 6_000, float(rng.choice([0.3, 2])), device.now)
             hardware, golden = device.stream(traffic), model.feed(traffic)
@@ -91,23 +93,23 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled
     print(kept, kinds)
     assert min(kept) < 0.9
     assert max(kept) > 0.1  # something was taken out, and something left to track
-    assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or top != "cot_chain") > 20
+    assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or module != "cot_chain") > 20
 
 
 @pytest.mark.parametrize("stalls", [None, 5])
 def test_with_motion(stalls: int | None) -> None:
     filters = FilterRegisters(enable=enable(Filter.REFRACTORY), refractory_ticks=200)
     sensor = FilterShape(width=128, height=64, stamp_w=12)
-    config = CotConfig(moving.SHAPE, filters=filters, filter_shape=sensor, motion=moving.QUICK)
+    config = MotionConfig(moving.SHAPE, moving.QUICK, filters=filters, filter_shape=sensor)
     events = moving.scene(1)
-    golden = CotModel(config).feed(events)
+    golden = MotionModel(config).feed(events)
     waits = None if stalls is None else Stalls.random(np.random.default_rng(stalls))
     hardware = bare_device(config, stalls=waits).stream(events)
     for field in Decisions._fields:
         assert np.array_equal(getattr(hardware, field), getattr(golden, field)), field
     assert 0 < np.count_nonzero(golden.owner == DROPPED) < len(events)
     assert len(golden.records) > 20
-    assert len(CotModel(replace(config, filters=FilterRegisters())).feed(events).records) != len(golden.records)
+    assert len(MotionModel(replace(config, filters=FilterRegisters())).feed(events).records) != len(golden.records)
 
 
 @pytest.mark.parametrize("engine", ["model", "rtl"])
@@ -130,11 +132,11 @@ def test_a_hot_pixel_starts_no_life() -> None:
     assert set(made.owner[1::2].tolist()) == {0}
 
 
-@pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
-def test_reset_empties_the_memories(top: Top) -> None:
+@pytest.mark.parametrize("module", ["cot_array", "cot_chain"])
+def test_reset_empties_the_memories(module: Module) -> None:
     filters = FilterRegisters(enable=enable(Filter.ACTIVITY), activity_ticks=500)
-    config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
-    device = bare_device(config, top)
+    config = replace(CotConfig.uniform(SHAPE, SLOT, module=module), filters=filters, filter_shape=SENSOR)
+    device = bare_device(config)
     story = ticked([0, 1], [20, 21], 20)
     first = device.stream(story).owner.tolist()
     device.reset()
@@ -142,10 +144,9 @@ def test_reset_empties_the_memories(top: Top) -> None:
 
 
 def test_a_single_tracker_has_no_filters_in_front() -> None:
-    one = CotConfig.uniform(replace(SHAPE, n_slots=1), SLOT)
-    config = replace(one, filters=FilterRegisters(enable=enable(Filter.POLARITY)), filter_shape=SENSOR)
+    one = CotConfig.uniform(replace(SHAPE, n_slots=1), SLOT, module="cot")
     with pytest.raises(ConfigError, match="use cot_array with one slot"):
-        build_device(config, "cot")
+        replace(one, filters=FilterRegisters(enable=enable(Filter.POLARITY)), filter_shape=SENSOR)
 
 
 @pytest.mark.parametrize("tracker", [0, 1, 2])

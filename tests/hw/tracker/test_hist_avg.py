@@ -10,11 +10,12 @@ import pytest
 
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import HIST_AVG_STILL, REGISTERS, Shape
-from evcot.hardware.cot import CotModel, Decisions
+from evcot.hardware.cot import CotModel
+from evcot.hardware.model import Decisions
+from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
-from evcot_cosim.names import Top
 from support.ticked import ticked
 from support.trials import bare_device, random_config, random_traffic
 
@@ -27,24 +28,24 @@ def write(model: CotModel, device: Device, k: int) -> None:
     io = device.sim.io
     io.cfg_valid, io.cfg_addr, io.cfg_data = 1, REGISTERS["hist_avg"].address, k
     for slot in range(device.shape.n_slots):
-        if device.top != "cot":
+        if device.config.module != "cot":
             io.cfg_slot = slot
         device.sim.clock.tick()
     io.cfg_valid = 0
 
 
 @pytest.mark.parametrize("frac", [0, 4])
-@pytest.mark.parametrize("top", ["cot", "cot_chain", "cot_array"])
-def test_every_value_has_one_meaning(top: Top, frac: int) -> None:
-    shape = replace(SHAPE, frac=frac, n_slots=1 if top == "cot" else 3)
+@pytest.mark.parametrize("module", ["cot", "cot_chain", "cot_array"])
+def test_every_value_has_one_meaning(module: Module, frac: int) -> None:
+    shape = replace(SHAPE, frac=frac, n_slots=1 if module == "cot" else 3)
     moved: dict[int, int] = dict.fromkeys(range(16), 0)
     for seed in range(4):
         rng = np.random.default_rng([81, seed])
-        config = random_config(rng, shape)
+        config = random_config(rng, shape, module)
         slots = tuple(replace(slot, nev_min=1, nev_max=4, clust_nev=2, detect_ticks=4_000) for slot in config.slots)
-        config = CotConfig(shape, slots)
-        device = bare_device(config, top, stalls=Stalls.random(rng) if seed % 2 else None)
-        model = CotModel(config, device.arrangement)
+        config = replace(config, slots=slots)
+        device = bare_device(config, stalls=Stalls.random(rng) if seed % 2 else None)
+        model = CotModel(config)
         for k in rng.permutation(16).tolist():
             write(model, device, k)
             traffic = random_traffic(rng, shape, 600, 1, device.now)

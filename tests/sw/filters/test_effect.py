@@ -15,7 +15,7 @@ from evcot.filters.config import FilterConfig
 from evcot.filters.effect import Effect, add_noise, area_under_curve, effect
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
-from evcot.hardware import cot
+from evcot.hardware import golden
 from evcot.recordings.files import read_recording
 from evcot.scenes.boxes import BoxExperiment, simulate
 from evcot.trackers.config import RunConfig
@@ -133,8 +133,8 @@ class TestHotPixel:
     def logs(self, filters: FilterConfig) -> list[TrackLog]:
         """Both trackers with the preset for the sensor, behind the filters."""
         run: RunConfig = fit(preset("davis346"), self.recording().width, self.recording().height)
-        recording = apply(self.recording(), filters, run.cot.tick_us)[0]
-        return [cot.track(recording, run.cot), track(recording, run.rct)]
+        recording = apply(self.recording(), filters, run.hardware.tick_us)[0]
+        return [golden.track(recording, run.hardware), track(recording, run.rct)]
 
     @staticmethod
     def stay_s(log: TrackLog) -> float:

@@ -214,4 +214,4 @@ def test_filtering_a_recording_uses_it() -> None:
 
 def test_hardware_refuses_it() -> None:
     with pytest.raises(ConfigError, match=r"filters.activity_noise_hz = 0.03: must be 0 in hardware, whose registers hold"):
-        RunConfig(filters=FOLLOW).hardware(*SENSOR)
+        RunConfig(filters=FOLLOW).device_config(*SENSOR)

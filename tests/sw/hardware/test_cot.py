@@ -17,7 +17,10 @@ import pytest
 from evcot.events import Events, Recording
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
-from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records, track
+from evcot.hardware.cot import CotModel
+from evcot.hardware.golden import to_track_records, track
+from evcot.hardware.model import Decisions
+from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents, tick_times
 from evcot.tracks.log import TRACK, Kind
 from support.ticked import ticked
@@ -111,13 +114,12 @@ class Slow:
         return kind
 
 
-def slow_run(
-    config: CotConfig, arrangement: Arrangement, ticks: list[int], events: list[tuple[int, int]]
-) -> tuple[list[int], list[tuple[int, ...]]]:
+def slow_run(config: CotConfig, ticks: list[int], events: list[tuple[int, int]]) -> tuple[list[int], list[tuple[int, ...]]]:
     """Owners, and records as (seq, time, kind, slot, id, other, x, y, radius, n_ev, support), centres in 2^-frac pixels."""
     slots = [Slow(i, slot, config.shape) for i, slot in enumerate(config.slots)]
     unit = 1 << config.shape.frac
-    births = [0] * len(slots) if arrangement is Arrangement.CHAIN else [0]
+    chain = config.module == "cot_chain"
+    births = [0] * len(slots) if chain else [0]
     owners: list[int] = []
     records: list[tuple[int, ...]] = []
 
@@ -133,7 +135,7 @@ def slow_run(
             if slot.active:
                 record(seq, int(slot.deadline), Kind.LOST, slot)
             slot.restart()
-        if arrangement is Arrangement.CHAIN:
+        if chain:
             owner = next((slot for slot in slots if slot.holds(event) or slot.free), None)
         else:
             ranked = [slot for slot in slots if slot.active and slot.holds(event)]
@@ -148,13 +150,13 @@ def slow_run(
             continue
         kind = owner.update(now)
         if kind == Kind.BORN:
-            counter = owner.number if arrangement is Arrangement.CHAIN else 0
-            step, first = (len(slots), owner.number) if arrangement is Arrangement.CHAIN else (1, 0)
+            counter = owner.number if chain else 0
+            step, first = (len(slots), owner.number) if chain else (1, 0)
             ids[owner.number] = (first + step * births[counter]) % (1 << config.shape.id_w)
             born[owner.number] = sum(births)
             births[counter] += 1
         record(seq, now, kind, owner)
-        while arrangement is Arrangement.ARRAY:
+        while not chain:
             met = [slot for slot in slots if slot.active and slot is not owner and slot.overlaps(owner)]
             if not met:
                 break
@@ -194,29 +196,31 @@ def crowd(n: int, seed: int, size: int = 64) -> TickedEvents:
 FIELDS = ("seq", "time", "kind", "slot", "track_id", "other_id", "cm_x", "cm_y", "radius", "n_ev", "support")
 
 
-@pytest.mark.parametrize("arrangement", Arrangement)
+@pytest.mark.parametrize("module", ["cot_array", "cot_chain"])
 @pytest.mark.parametrize(("frac", "id_w"), [(0, 32), (1, 32), (4, 32), (8, 32), (4, 3)])
-def test_it_is_what_the_contract_says_in_exact_fractions(arrangement: Arrangement, frac: int, id_w: int) -> None:
+def test_it_is_what_the_contract_says_in_exact_fractions(module: Module, frac: int, id_w: int) -> None:
     waiting = replace(SLOT, mode=Mode.FIXED, init_cm_x=30, init_cm_y=40, radix_max=12, radix_step=3)
     config = CotConfig(
-        replace(SHAPE, frac=frac, id_w=id_w), (SLOT, waiting, replace(SLOT, hist_avg=2), replace(SLOT, clust_nev=2))
+        replace(SHAPE, frac=frac, id_w=id_w),
+        (SLOT, waiting, replace(SLOT, hist_avg=2), replace(SLOT, clust_nev=2)),
+        module=module,
     )
     events = crowd(6000, seed=frac)
-    told = CotModel(config, arrangement).feed(events)
+    told = CotModel(config).feed(events)
     places = list(zip(events.x.tolist(), events.y.tolist(), strict=True))
-    owners, records = slow_run(config, arrangement, events.ticks.tolist(), places)
+    owners, records = slow_run(config, events.ticks.tolist(), places)
     assert told.owner.tolist() == owners
     assert list(zip(*(told.records[name].tolist() for name in FIELDS), strict=True)) == records
     kinds = [record[2] for record in records]
-    wanted = [Kind.BORN, Kind.MOVED, Kind.LOST, *([Kind.MERGED] if arrangement is Arrangement.ARRAY else [])]
+    wanted = [Kind.BORN, Kind.MOVED, Kind.LOST, *([Kind.MERGED] if module == "cot_array" else [])]
     assert all(kinds.count(kind) >= 20 for kind in wanted)
 
 
-@pytest.mark.parametrize("arrangement", Arrangement)
-def test_it_does_not_matter_where_the_events_are_cut(arrangement: Arrangement) -> None:
-    config = CotConfig.uniform(SHAPE, SLOT)
+@pytest.mark.parametrize("module", ["cot_array", "cot_chain"])
+def test_it_does_not_matter_where_the_events_are_cut(module: Module) -> None:
+    config = CotConfig.uniform(SHAPE, SLOT, module=module)
     events = crowd(3000, seed=9)
-    whole, model = CotModel(config, arrangement).feed(events), CotModel(config, arrangement)
+    whole, model = CotModel(config).feed(events), CotModel(config)
     bounds = [0, 0, 1, 2, 50, 1999, 3000, 3000]
     parts = [model.feed(events[a:b]) for a, b in pairwise(bounds)]
     joined = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
@@ -284,7 +288,7 @@ class TestTrackLog:
         log = track(recording, config)
         t_us = recording.events.t_us
         told = CotModel(config).feed(ticked((t_us - t_us[0]) // 10, recording.events.x, recording.events.y))
-        assert log.engine == "cot-model"
+        assert log.engine == "cot_array"
         assert np.array_equal(log.owner, told.owner)
         caused = log.records["kind"] != Kind.LOST
         assert np.array_equal(log.records["t_us"][caused], t_us[log.records["event_index"][caused]])
@@ -293,10 +297,12 @@ class TestTrackLog:
         assert (lost["t_us"] <= t_us[lost["event_index"]]).all()
         assert (lost["t_us"] > t_us[lost["event_index"] - 1] - 10).all()
 
-    def test_the_arrangement_can_be_a_chain(self) -> None:
+    def test_the_module_can_be_a_chain(self) -> None:
         recording, config = self.recording(), CotConfig(SHAPE, (SLOT,) * 4, tick_us=10)
         assert len(track(recording, config).of_kind(Kind.MERGED)) > 0
-        assert len(track(recording, config, Arrangement.CHAIN).of_kind(Kind.MERGED)) == 0
+        chain = track(recording, replace(config, module="cot_chain"))
+        assert chain.engine == "cot_chain"
+        assert len(chain.of_kind(Kind.MERGED)) == 0
 
     def test_no_events_no_log(self) -> None:
         log = track(Recording(Events.empty(), 64, 64), CotConfig(SHAPE, (SLOT,) * 4))

@@ -11,7 +11,9 @@ import pytest
 from evcot.errors import ConfigError
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
-from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.hardware.cot import CotModel
+from evcot.hardware.model import Decisions
+from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
 from support.ticked import ticked
 
@@ -22,8 +24,8 @@ SLOT = SlotConfig(
 )  # fmt: skip
 
 
-def model_of(arrangement: Arrangement = Arrangement.ARRAY) -> CotModel:
-    return CotModel(CotConfig.uniform(SHAPE, SLOT), arrangement)
+def model_of(module: Module = "cot_array") -> CotModel:
+    return CotModel(CotConfig.uniform(SHAPE, SLOT, module=module))
 
 
 def feed(model: CotModel, *events: tuple[int, int]) -> Decisions:
@@ -55,8 +57,9 @@ def test_without_a_restart_mode_stays() -> None:
 
 
 def test_a_deadline_that_is_set_stays_in_an_array_and_moves_in_a_chain() -> None:
-    for arrangement, lost_at in ((Arrangement.ARRAY, 1_000), (Arrangement.CHAIN, 30)):
-        model = model_of(arrangement)
+    stories: tuple[tuple[Module, int], ...] = (("cot_array", 1_000), ("cot_chain", 30))
+    for module, lost_at in stories:
+        model = model_of(module)
         feed(model, (0, 20))
         model.write_registers(0, replace(SLOT, max_ticks=30), restart=False)
         records = feed(model, (900, 90), (2_000, 20)).records

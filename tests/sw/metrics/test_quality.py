@@ -25,7 +25,7 @@ def log_of(records: list[tuple[object, ...]], owner: list[int]) -> TrackLog:
         row["t_us"], row["event_index"], row["kind"], row["track_id"] = t_us, index, kind, track_id
         row["slot"], row["other_id"], row["x"], row["y"] = slot, other, x, 10.0
         row["width"] = row["height"] = 8.0
-    return TrackLog("cot-rtl", rows[np.argsort(rows["t_us"], kind="stable")], np.array(owner, np.int16))
+    return TrackLog("cot_array", rows[np.argsort(rows["t_us"], kind="stable")], np.array(owner, np.int16))
 
 
 def events_at(times_us: list[int], x: list[int] | None = None) -> Events:
@@ -42,7 +42,7 @@ def test_an_event_is_isolated_without_one_beside_it_within_ten_ms() -> None:
 
 def test_no_events_and_no_tracks_have_no_figures() -> None:
     events = events_at([])
-    found = quality_of(TrackLog.empty("cot-rtl"), events, isolated(events, SENSOR))
+    found = quality_of(TrackLog.empty("cot_array"), events, isolated(events, SENSOR))
     assert (found.tracks, found.short, found.noise_tracks) == (0, 0, 0)
     assert (found.tracks_per_alive, found.owned_fraction, found.isolated_fraction) == (None, None, None)
 

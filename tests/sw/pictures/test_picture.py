@@ -22,7 +22,7 @@ from evcot.tracks.log import Kind, TrackLog
 from support import logs
 
 EMPTY = TrackLog.empty("rct")
-log_of = partial(logs.log_of, engine="cot-rtl")
+log_of = partial(logs.log_of, engine="cot_array")
 
 
 def recording_of(n: int, width: int = 120, height: int = 80, duration_us: int = 100_000) -> Recording:
@@ -135,7 +135,7 @@ def test_a_moment_has_the_events_just_before_it_alone(tmp_path: Path, drawn: lis
 def test_the_labels_name_engines_units_and_title(tmp_path: Path, drawn: list[Figure]) -> None:
     draw(recording_of(5_000), TWO_MEET, EMPTY, tmp_path / "run.png", "A run")
     written = texts(drawn[0])
-    for text in ("A run", "hardware (cot-rtl)", "software (rct)", "clusters alive", "time since the first event (ms)"):
+    for text in ("A run", "hardware (cot_array)", "software (rct)", "clusters alive", "time since the first event (ms)"):
         assert text in written
     draw(recording_of(5_000, duration_us=10_000_000), TWO_MEET, EMPTY, tmp_path / "run.png", "Longer", force=True)
     assert "time since the first event (s)" in texts(drawn[1])

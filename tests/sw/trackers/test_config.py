@@ -11,8 +11,9 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot.filters.config import FilterConfig
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig, with_module
 from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.hardware.motion.contract import MotionRegisters
 from evcot.ranges import span
 from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.rct.config import RCT_RANGES, RctConfig
@@ -71,12 +72,48 @@ class TestCot:
 
     @pytest.mark.parametrize("tick_us", [0, 1_000_001, 1.5])
     def test_a_tick_has_a_length(self, tick_us: int) -> None:
-        with pytest.raises(ConfigError, match=rf"cot\.tick_us = {tick_us}: must be an integer from 1 to 1000000"):
+        with pytest.raises(ConfigError, match=rf"^tick_us = {tick_us}: must be an integer from 1 to 1000000"):
             CotConfig.uniform(SHAPE, SLOT, tick_us=tick_us)
 
     def test_it_cannot_be_changed(self) -> None:
         with pytest.raises(FrozenInstanceError):
             CotConfig().tick_us = 2  # type: ignore[misc]
+
+
+class TestModules:
+    def test_the_module_is_one_of_the_contract(self) -> None:
+        for module in ("cot_chain", "cot_array"):
+            assert CotConfig.uniform(SHAPE, SLOT, module=module).module == module
+        for module in ("cot_motion", "cot_aray"):
+            with pytest.raises(ConfigError, match=rf"^module = '{module}': must be one of cot, cot_chain, cot_array"):
+                CotConfig.uniform(SHAPE, SLOT, module=module)  # type: ignore[arg-type]
+        assert MotionConfig().module == "cot_motion"
+
+    def test_a_single_tracker_is_one_without_filters(self) -> None:
+        with pytest.raises(ConfigError, match=r"^shape.n_slots = 3: must be 1 for a single tracker$"):
+            CotConfig(SHAPE, module="cot")
+        single = RunConfig(
+            "one", CotConfig(replace(SHAPE, n_slots=1), (SLOT,), module="cot"), filters=FilterConfig(refractory_us=7)
+        )
+        with pytest.raises(ConfigError, match=r"^a single `cot` has no filters in front: use cot_array with one slot$"):
+            single.device_config(128, 64)
+
+    def test_cot_motion_has_a_mode_for_every_slot_and_seeds_by_default(self) -> None:
+        assert MotionConfig(SHAPE).modes == (Mode.SEEDED,) * 3
+        with pytest.raises(ConfigError, match=r"^motion.modes has 2 entries: must be shape.n_slots = 3$"):
+            MotionConfig(SHAPE, modes=(0, 2))
+        with pytest.raises(ConfigError, match=r"^motion.modes\[1\] = 1: must be 0 \(off\) or 2 \(seeded\)$"):
+            MotionConfig(SHAPE, modes=(0, 1, 2))
+
+    def test_registers_stay_with_another_module_of_the_contract(self) -> None:
+        config = CotConfig(SHAPE, (replace(SLOT, hist_avg=2), SLOT, SLOT))
+        assert with_module(config, "cot_chain") == replace(config, module="cot_chain")
+        assert with_module(config, "cot") == CotConfig(replace(SHAPE, n_slots=1), config.slots[:1], module="cot")
+        assert with_module(config, "cot_array") is config
+        with pytest.raises(ConfigError, match=r"^hardware = 'cot_motion': these registers are those of cot, cot_chain and"):
+            with_module(config, "cot_motion")
+        with pytest.raises(ConfigError, match=r"^hardware = 'cot_aray': must be one of cot, cot_chain, cot_array, cot_motion"):
+            with_module(config, "cot_aray")
 
 
 @pytest.mark.parametrize("name", RCT_RANGES)
@@ -93,9 +130,15 @@ def test_rct_takes_its_limits_and_nothing_beyond(name: str) -> None:
 def test_a_run_as_plain_values_survives_json() -> None:
     run = RunConfig("mine", CotConfig.uniform(SHAPE, SLOT), RctConfig(alpha=0.5))
     stored = json.loads(json.dumps(run.to_dict()))
-    slots = tuple(SlotConfig(**slot) for slot in stored["cot"]["slots"])
-    assert CotConfig(Shape(**stored["cot"]["shape"]), slots, stored["cot"]["tick_us"]) == run.cot
+    slots = tuple(SlotConfig(**slot) for slot in stored["hardware"]["slots"])
+    hardware = stored["hardware"]
+    assert CotConfig(Shape(**hardware["shape"]), slots, hardware["tick_us"], module=hardware["module"]) == run.hardware
     assert (stored["name"], RctConfig(**stored["rct"])) == ("mine", run.rct)
+
+
+def slots_of(run: RunConfig) -> tuple[SlotConfig, ...]:
+    assert isinstance(run.hardware, CotConfig)
+    return run.hardware.slots
 
 
 class TestToml:
@@ -129,8 +172,8 @@ class TestToml:
             """,
         )
         assert run.name == "mine"
-        assert (run.cot.shape, run.cot.tick_us) == (replace(SHAPE, frac=2), 100)
-        assert run.cot.slots == (
+        assert (run.hardware.shape, run.hardware.tick_us) == (replace(SHAPE, frac=2), 100)
+        assert slots_of(run) == (
             replace(SLOT, hist_avg=2, mode=Mode.FIXED, init_cm_x=20),
             replace(SLOT, hist_avg=5),
             replace(SLOT, hist_avg=2),
@@ -138,18 +181,38 @@ class TestToml:
         assert run.rct == RctConfig(alpha=0.1)
 
     def test_more_slots_repeat_the_last_one(self, tmp_path: Path) -> None:
-        assert self.load(tmp_path, "[shape]\nn_slots = 5").cot.slots == (SLOT,) * 5
+        assert slots_of(self.load(tmp_path, "[shape]\nn_slots = 5")) == (SLOT,) * 5
 
     def test_fewer_slots_drop_the_rest(self, tmp_path: Path) -> None:
-        assert self.load(tmp_path, "[shape]\nn_slots = 1").cot.slots == (SLOT,)
+        assert slots_of(self.load(tmp_path, "[shape]\nn_slots = 1")) == (SLOT,)
+
+    def test_it_names_the_module(self, tmp_path: Path) -> None:
+        chain = self.load(tmp_path, 'hardware = "cot_chain"\n[cot]\nhist_avg = 2').hardware
+        assert chain == CotConfig.uniform(SHAPE, replace(SLOT, hist_avg=2), module="cot_chain")
+        single = self.load(tmp_path, 'hardware = "cot"').hardware
+        assert single == CotConfig(replace(SHAPE, n_slots=1), (SLOT,), module="cot")
+
+    def test_cot_motion_has_registers_a_tick_and_modes(self, tmp_path: Path) -> None:
+        text = """
+            hardware = "cot_motion"
+            [shape]
+            n_slots = 3
+            [motion]
+            side_max = 90
+            tick_us = 10
+            modes = [2, 0, 2]
+        """
+        hardware = self.load(tmp_path, text).hardware
+        assert hardware == MotionConfig(Shape(n_slots=3), MotionRegisters(side_max=90), 10, modes=(2, 0, 2))
+        assert self.load(tmp_path, text.replace('hardware = "cot_motion"', "")).hardware == hardware, "its table says it, too"
 
     @pytest.mark.parametrize(
         ("text", "message"),
         [
             (
                 "radius = 3",
-                "top level: unknown field 'radius': must be one of auto, cot, files, filters, made, motion, name, rct, run, "
-                "shape, slot, software, software_filters",
+                "top level: unknown field 'radius': must be one of adaptive, cot, files, filters, hardware, made, motion, "
+                "name, rct, run, shape, slot, software, software_filters",
             ),
             ("[cot]\nradius = 3", "[cot]: unknown field 'radius': must be one of clust_nev, detect_ticks, "),
             ("[shape]\nw = 3", "[shape]: unknown field 'w': must be one of frac, id_w, "),
@@ -160,9 +223,16 @@ class TestToml:
             ("cot = 3", "top level: [cot] must be a table, not 3"),
             ("[cot]\nhist_avg = 9", "cot.slot[0].hist_avg = 9: must be an integer from 0 to 8 "),
             ("[cot]\nhist_avg = '3'", "cot.slot[0].hist_avg = '3': must be an integer from 0 to 8 "),
-            ("[cot]\ntick_us = 0", "cot.tick_us = 0: must be an integer from 1 to 1000000"),
+            ("[cot]\ntick_us = 0", "tick_us = 0: must be an integer from 1 to 1000000"),
             ("[shape]\nfrac = 9", "shape.frac = 9: must be an integer from 0 to 8 "),
             ("[rct]\nalpha = 2", "rct.alpha = 2: must be from 1e-06 to 1 "),
+            ("hardware = 'cot_aray'", "hardware = 'cot_aray': must be one of cot, cot_chain, cot_array, cot_motion"),
+            ("[motion]\nside_max = 90\n[cot]", "[motion]: must not be given for cot_array, whose registers stand in [cot]"),
+            ("hardware = 'cot_motion'\n[cot]", "[cot]: must not be given for cot_motion, whose registers stand in [motion]"),
+            ("hardware = 'cot_motion'\n[[slot]]", "[slot]: must not be given for cot_motion, whose registers stand in "),
+            ("[motion]\nmodes = 2", "[motion]: modes = 2: must be a list of 0 (off) or 2 (seeded), one per slot"),
+            ("[motion]\nmodes = [2, 2]", "motion.modes has 2 entries: must be shape.n_slots = 16"),
+            ("hardware = 'cot'\n[shape]\nn_slots = 2", "shape.n_slots = 2: must be 1 for a single tracker"),
             ("= 3", "is not TOML: "),
         ],
     )
@@ -183,9 +253,9 @@ class TestToml:
 class TestSoftware:
     def test_a_file_says_who_runs_and_with_which_settings(self, tmp_path: Path) -> None:
         path = tmp_path / "run.toml"
-        path.write_text('software = "auto"\n[auto]\ncoast = 2.5\n[filters]\nrefractory_us = 7\n')
+        path.write_text('software = "adaptive"\n[adaptive]\ncoast = 2.5\n[filters]\nrefractory_us = 7\n')
         run = load_toml(path, RunConfig())
-        assert (run.software, run.auto.coast) == ("auto", 2.5)
+        assert (run.software, run.adaptive.coast) == ("adaptive", 2.5)
         assert run.in_front_of_software == run.filters == FilterConfig(refractory_us=7)
 
     def test_it_may_have_filters_of_its_own(self, tmp_path: Path) -> None:
@@ -199,8 +269,8 @@ class TestSoftware:
     def test_none_but_those_that_run_beside_the_hardware(self, name: object) -> None:
         with pytest.raises(ConfigError) as caught:
             RunConfig(software=name)  # type: ignore[arg-type]
-        assert str(caught.value) == f"software = {name!r}: must be one of auto, rct"
+        assert str(caught.value) == f"software = {name!r}: must be one of adaptive, rct"
 
     def test_what_is_stored_has_only_the_one_that_runs(self) -> None:
-        assert {"auto", "rct"} & set(RunConfig(software="auto").to_dict()) == {"auto"}
-        assert {"auto", "rct"} & set(RunConfig().to_dict()) == {"rct"}
+        assert {"adaptive", "rct"} & set(RunConfig(software="adaptive").to_dict()) == {"adaptive"}
+        assert {"adaptive", "rct"} & set(RunConfig().to_dict()) == {"rct"}

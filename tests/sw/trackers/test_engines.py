@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 import evcot
-from evcot.trackers.auto import kernel as auto
+from evcot.hardware.modules import MODULES
+from evcot.trackers.adaptive import kernel as adaptive
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.frame_based import kernel as frame_based
 from evcot.trackers.mean_shift import clusters as mean_shift
 from evcot.trackers.rct import kernel as rct
 
 LOOPS: dict[str, Any] = {
-    "auto": auto.feed,
+    "adaptive": adaptive.feed,
     "rct": rct.feed,
     "mean-shift": mean_shift.group,
     "frames": frame_based.follow,
@@ -24,7 +25,7 @@ LOOPS: dict[str, Any] = {
 
 
 def test_every_compiled_engine_is_tried() -> None:
-    assert {*LOOPS, "cot"} == {*ENGINES}  # the golden model counts ticks first: its columns are its own
+    assert {*LOOPS, *MODULES} == {*ENGINES}  # a golden model counts ticks first: its columns are its own
 
 
 @pytest.mark.usefixtures("kernels")

@@ -3,17 +3,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from evcot.errors import ConfigError
+from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import Mode
+from evcot.hardware.modules import MODULES, Module
 from evcot.trackers.config import RunConfig
-from evcot.trackers.presets import PRESETS, fit, for_sensor, preset
+from evcot.trackers.presets import AUTO, MOTION, PRESETS, fit, for_sensor, preset, presets_of, run_config
+
+
+def slots_of(run: RunConfig) -> CotConfig:
+    assert isinstance(run.hardware, CotConfig)
+    return run.hardware
 
 
 @pytest.mark.parametrize(("name", "n_ev", "tc"), [("slow", 8, 20), ("fast", 3, 7), ("fast5", 5, 7)])
 def test_the_papers_situations(name: str, n_ev: int, tc: int) -> None:
-    cot = preset(name).cot
+    cot = slots_of(preset(name))
     assert {(slot.clust_nev, slot.max_ticks) for slot in cot.slots} == {(n_ev, tc)}
     assert preset(name).rct.lifetime_us == tc * cot.tick_us
 
@@ -22,7 +31,13 @@ def test_the_papers_situations(name: str, n_ev: int, tc: int) -> None:
 def test_every_preset_can_find_something_and_says_its_name(name: str) -> None:
     run = PRESETS[name]
     assert run.name == name
-    for slot in run.cot.slots:
+    if isinstance(run.hardware, MotionConfig):
+        registers = run.hardware.registers
+        assert set(run.hardware.modes) == {Mode.SEEDED}
+        assert registers.speed_max > 0  # boxes move
+        assert registers.nev_low < registers.nev_high
+        return
+    for slot in run.hardware.slots:
         assert slot.mode == Mode.SEEDED
         assert slot.radix_step > 0  # windows follow the size of what they see
         assert slot.nev_min < slot.clust_nev < slot.nev_max or slot.clust_nev == slot.nev_min
@@ -34,7 +49,7 @@ def test_what_was_tuned_stands_for_itself_on_its_sensor(name: str) -> None:
     run = fit(preset(name), 346, 260)
     assert run.filters.hot_pixels == ()
     assert run.filters.enabled
-    assert run.hardware(346, 260).filtered
+    assert run.device_config(346, 260).filtered
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
@@ -64,7 +79,7 @@ def test_a_sensor_gets_the_first_preset_that_is_wide_enough(width: int, name: st
     ("width", "height", "x_w", "y_w"), [(1, 1, 1, 1), (2, 3, 1, 2), (128, 128, 7, 7), (129, 256, 8, 8), (1280, 720, 11, 10)]
 )
 def test_fitted_addresses_are_just_wide_enough(width: int, height: int, x_w: int, y_w: int) -> None:
-    shape = fit(preset("hd"), width, height).cot.shape
+    shape = fit(preset("hd"), width, height).hardware.shape
     assert (shape.x_w, shape.y_w) == (x_w, y_w)
 
 
@@ -72,13 +87,48 @@ def test_fitted_addresses_are_just_wide_enough(width: int, height: int, x_w: int
 def test_fitting_changes_the_number_of_slots_and_nothing_else(n: int) -> None:
     base: RunConfig = preset("vga")
     fitted = fit(base, 640, 480, n)
-    assert fitted.cot.slots == base.cot.slots[:1] * n
-    assert (fitted.name, fitted.rct, fitted.cot.tick_us) == (base.name, base.rct, base.cot.tick_us)
-    assert fit(base, 640, 480).cot.slots == base.cot.slots
+    assert slots_of(fitted).slots == slots_of(base).slots[:1] * n
+    assert (fitted.name, fitted.rct, fitted.hardware.tick_us) == (base.name, base.rct, base.hardware.tick_us)
+    assert slots_of(fit(base, 640, 480)).slots == slots_of(base).slots
 
 
-def test_beside_hardware_with_motion_runs_the_automatic_tracker_without_filters() -> None:
+@pytest.mark.parametrize("n", [1, 16, 64])
+def test_fitting_cot_motion_changes_its_slots_and_nothing_else(n: int) -> None:
+    hardware = MotionConfig(modes=(Mode.OFF, *(Mode.SEEDED,) * 15))
+    base = replace(MOTION, hardware=hardware)
+    fitted = fit(base, 640, 480, n)
+    assert isinstance(fitted.hardware, MotionConfig)
+    assert fitted.hardware.modes == (Mode.OFF, *(Mode.SEEDED,) * (n - 1))
+    shape = replace(hardware.shape, x_w=10, y_w=9, n_slots=n)
+    assert fitted == replace(base, hardware=replace(hardware, shape=shape, modes=fitted.hardware.modes))
+
+
+def test_beside_cot_motion_runs_the_adaptive_tracker_without_filters() -> None:
     motion = preset("motion")
-    assert motion.software == "auto"
+    assert motion.software == "adaptive"
     assert motion.filters.enabled
     assert not motion.in_front_of_software.enabled
+
+
+def test_by_default_it_is_the_preset_motion_and_of_another_module_that_of_the_sensor() -> None:
+    assert run_config(346, 260) == run_config(346, 260, hardware="cot_motion") == fit(MOTION, 346, 260)
+    for module in ("cot_array", "cot_chain", "cot"):
+        config = run_config(346, 260, hardware=module)
+        assert (config.name, config.hardware.module) == ("davis346", module)
+        assert config.hardware.shape.n_slots == (1 if module == "cot" else PRESETS["davis346"].hardware.shape.n_slots)
+    assert run_config(346, 260, "traffic", 5, hardware="cot_chain").hardware.module == "cot_chain"
+    assert run_config(346, 260, "traffic").hardware.module == "cot_array"
+
+
+@pytest.mark.parametrize(("name", "hardware"), [("traffic", "cot_motion"), ("motion", "cot_chain")])
+def test_a_preset_of_another_module_is_refused(name: str, hardware: str) -> None:
+    with pytest.raises(ConfigError, match=rf"^hardware = '{hardware}': these registers are those of .* with preset {name}$"):
+        run_config(346, 260, name, hardware=hardware)
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_the_presets_of_a_module_configure_it(module: Module) -> None:
+    for name, run in presets_of(module).items():
+        assert (run.name, run.hardware.module) == (name, module)
+        if name != AUTO:  # whose filters follow the noise, as registers do not
+            assert run.device_config(1280, 720).module == module

@@ -10,7 +10,7 @@ import pytest
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.auto.estimates import estimate
+from evcot.trackers.adaptive.estimates import estimate
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.seen import seen_by
 
@@ -24,8 +24,8 @@ def events() -> Events:
 
 
 @pytest.mark.parametrize("filters", [FilterConfig(), FilterConfig(refractory_us=1)])
-def test_the_automatic_tracker_tells_its_estimates_behind_filters_or_not(events: Events, filters: FilterConfig) -> None:
-    engine = ENGINES["auto"]
+def test_the_adaptive_tracker_tells_its_estimates_behind_filters_or_not(events: Events, filters: FilterConfig) -> None:
+    engine = ENGINES["adaptive"]
     tracker = engine.start(engine.presets["auto"], filters, SENSOR)
     tracker.feed(events)
     seen = seen_by(tracker)
@@ -36,7 +36,7 @@ def test_the_automatic_tracker_tells_its_estimates_behind_filters_or_not(events:
 
 
 def test_the_hardware_s_model_tells_what_it_follows(events: Events) -> None:
-    engine = ENGINES["cot"]
+    engine = ENGINES["cot_motion"]
     tracker = engine.start(engine.presets["auto"], engine.filters["auto"], SENSOR)
     first = seen_by(tracker)
     assert first == "auto: 346x260, 0 s, noise unknown, 0 hot pixels, no object seen for long enough"
@@ -53,7 +53,7 @@ def test_the_hardware_s_model_tells_what_it_follows(events: Events) -> None:
     assert (int(found[2]), int(found[3])) == (pytest.approx(20, abs=4), pytest.approx(22, abs=4))
 
 
-@pytest.mark.parametrize(("name", "preset"), [("rct", "plain"), ("cot", "davis346")])
+@pytest.mark.parametrize(("name", "preset"), [("rct", "plain"), ("cot_array", "davis346")])
 def test_others_tell_nothing(events: Events, name: str, preset: str) -> None:
     engine = ENGINES[name]
     tracker = engine.start(engine.presets[preset], FilterConfig(), SENSOR)

@@ -74,7 +74,7 @@ def test_a_run_of_which_nothing_stays() -> None:
     assert tracker.finish()["event_index"].tolist() == [5]
 
 
-@pytest.mark.parametrize("engine", ["rct", "mean-shift", "frames", "cot"])
+@pytest.mark.parametrize("engine", ["rct", "mean-shift", "frames", "cot_array", "cot_motion"])
 def test_no_record_is_of_a_settled_event_and_packets_settle(engine: str) -> None:
     kind = ENGINES[engine]
     preset = kind.presets["discs"] if "discs" in kind.presets else next(iter(kind.presets.values()))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from evcot.events import Recording
-from evcot.hardware.cot import track as cot_track
+from evcot.hardware.golden import track as cot_track
 from evcot.metrics.quality import QualityCounter, isolated, isolation, quality_of
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.presets import run_config
@@ -34,8 +34,8 @@ def recording() -> Recording:
 @pytest.fixture(scope="module")
 def logs(recording: Recording) -> tuple[TrackLog, TrackLog]:
     """Of the hardware's model, whose records come with their events, and of a tracker that reports packet by packet."""
-    config = run_config(recording.width, recording.height, None, None)
-    return cot_track(recording, config.hardware(recording.width, recording.height)), rct_track(recording, PRESETS["discs"])
+    config = run_config(recording.width, recording.height, hardware="cot_array")
+    return cot_track(recording, config.device_config(recording.width, recording.height)), rct_track(recording, PRESETS["discs"])
 
 
 def cut(log: TrackLog, n: int) -> list[tuple[TrackLog, TrackLog]]:
@@ -124,12 +124,12 @@ def test_long_stretches_without_a_record_come_back_from_parquet(tmp_path: Path) 
     records = np.zeros(3, TRACK)
     records["event_index"] = 5, 200_000, 3_000_000
     owner = (np.arange(3_000_000) % 7 - 2).astype(np.int16)
-    log = TrackLog("cot", records, owner, "0123")
+    log = TrackLog("cot_array", records, owner, "0123")
     log.save(tmp_path / "log.parquet")
     loaded = TrackLog.load(tmp_path / "log.parquet")
     assert np.array_equal(loaded.records, records)
     assert np.array_equal(loaded.owner, owner)
-    assert (loaded.engine, loaded.recording) == ("cot", "0123")
+    assert (loaded.engine, loaded.recording) == ("cot_array", "0123")
     with parquet.ParquetFile(tmp_path / "log.parquet") as file:
         assert file.num_row_groups == 6, "2^19 owners each"
         lengths = [len(own) for own in file.read(columns=["owners"]).column("owners").to_pylist()]

@@ -45,7 +45,7 @@ def test_a_log_comes_back(log: TrackLog, tmp_path: Path) -> None:
 def test_logs_without_records_or_events_come_back(tmp_path: Path) -> None:
     for name, log in (
         ("empty", TrackLog.empty("rct")),
-        ("passed", TrackLog("cot", np.empty(0, TRACK), np.full(7, -1, np.int16))),
+        ("passed", TrackLog("cot_array", np.empty(0, TRACK), np.full(7, -1, np.int16))),
     ):
         log.save(tmp_path / f"{name}.parquet")
         assert same(TrackLog.load(tmp_path / f"{name}.parquet"), log)

@@ -24,13 +24,13 @@ def log() -> TrackLog:
     for name in ("x", "y", "radius", "width", "height", "angle", "vx", "vy", "confidence"):
         records[name] = rng.random(len(records)) * 10.0 ** rng.integers(-9, 9, len(records))
     records["other_id"] = -1
-    return TrackLog("cot-rtl", records, rng.integers(-1, 64, 300_000).astype(np.int16))
+    return TrackLog("cot_array", records, rng.integers(-1, 64, 300_000).astype(np.int16))
 
 
 def test_npz_gives_back_what_it_got(log: TrackLog, tmp_path: Path) -> None:
     log.save_npz(tmp_path / "log.npz")
     back = TrackLog.load_npz(tmp_path / "log.npz")
-    assert back.engine == "cot-rtl"
+    assert back.engine == "cot_array"
     assert back.records.dtype == TRACK
     assert back.owner.dtype == np.dtype(np.int16)
     np.testing.assert_array_equal(back.records, log.records)
@@ -91,7 +91,7 @@ def test_an_interrupted_write_keeps_the_old_file(tmp_path: Path, monkeypatch: py
 
     monkeypatch.setattr(np.lib.format, "write_array_header_1_0", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        TrackLog.empty("cot-rtl").save_npz(path, force=True)
+        TrackLog.empty("cot_array").save_npz(path, force=True)
     assert TrackLog.load_npz(path).engine == "rct"
     assert list(tmp_path.iterdir()) == [path]
 

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
+from evcot.hardware.modules import MODULES
 from evcot.recordings.files import open_recording
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.tracking import log_of
@@ -76,16 +77,18 @@ def _jobs(job: Job, progress: Progress) -> Iterator[tuple[str, Callable[[], Any]
     for name, config in _FILTERS.items():
         yield name, partial(_filter, config, events, sensor)
     for name, engine in ENGINES.items():
+        if name in MODULES and name != job.config.hardware.module:
+            continue
         preset, settings = next(iter(engine.presets.items()))
-        settings = job.config if name == "cot" else settings
-        title = "golden model" if name == "cot" else f"{name}, {preset}"
+        settings = job.config if name in MODULES else settings
+        title = "golden model" if name in MODULES else f"{name}, {preset}"
         yield title, partial(_track, name, settings, events, sensor)
-    hardware = job.config.hardware(*sensor)
-    model = build_device(hardware, job.top, waves=False, on_miss=progress.building)
-    for check, title in ((False, job.top), (True, f"{job.top}, checked against the model")):
+    hardware = job.config.device_config(*sensor)
+    model = build_device(hardware, waves=False, on_miss=progress.building)
+    for check, title in ((False, hardware.module), (True, f"{hardware.module}, checked against the model")):
 
         def simulate(check: bool = check) -> None:
-            with Lockstep(hardware, job.top, stalls=job.stalls, seed=job.seed, check=check, model=model) as lockstep:
+            with Lockstep(hardware, stalls=job.stalls, seed=job.seed, check=check, model=model) as lockstep:
                 for chunk in chunks(events):
                     lockstep.feed(chunk)
 

@@ -62,8 +62,9 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     with Progress(job.recording.name, len(job.recording.events), enabled=not (options.quiet or options.json)) as progress:
         try:
             run = run_cosim(
-                job.recording, job.config, job.top,
-                stall_seed=job.seed, waves=not options.no_waves, building=progress.building, progress=progress.update,
+                job.recording, job.config,
+                stall_seed=job.seed, waves=not options.no_waves, source=job.source,
+                building=progress.building, progress=progress.update,
             )  # fmt: skip
         except MismatchError as error:
             write_mismatch(error, job.recording, job.run_file, folder, command=command)
@@ -82,7 +83,7 @@ def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str)
     """The same of a recording that is not held in memory; returns the summary."""
 
     def key() -> str:
-        return work_key(Path(job.source.recording), "cosim", job.source, job.config, job.top, job.seed, design_fingerprint())
+        return work_key(Path(job.source.recording), "cosim", job.source, job.config, job.seed, design_fingerprint())
 
     quiet = options.quiet or options.json
     with (
@@ -91,7 +92,7 @@ def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str)
         counted_ahead(progress, job.source.opened, (job.source.from_us, job.source.to_us)),
     ):
         run = run_long(
-            job.source, job.config, job.top, work,
+            job.source, job.config, work,
             stall_seed=job.seed, every=options.checkpoint, building=progress.building, progress=progress.update,
             resumed=None if options.quiet else lambda events: say_resumed(job.recording.name, events),
         )  # fmt: skip

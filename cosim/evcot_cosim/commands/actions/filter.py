@@ -15,7 +15,6 @@ from evcot.filters.contract import Filter
 from evcot.filters.run import filtered
 from evcot.recordings.files import format_for, write_events
 from evcot.trackers.config import RunConfig, load_toml
-from evcot.trackers.presets import for_sensor
 
 from ..options import window_from
 from .counting import Counting
@@ -31,12 +30,12 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     kind = format_for(options.target)  # refused before the recording is read
     shown = not (options.quiet or options.json)
     with Counting(f"writing {options.target}", enabled=shown) as counting, open_from(options, options.source) as file:
-        run = load_toml(options.config, for_sensor(file.sensor[0])) if options.config else RunConfig()
+        run = load_toml(options.config, RunConfig()) if options.config else RunConfig()
         config = filters_from(options, run.filters, file.blocks(*window), file.sensor)
         if not config.enabled and not options.learn_hot_pixels:
             raise ConfigError("no filter is on: see `evcot filter --help`")
         source = counting.watched(file.blocks(*window, required=True), file.t0_us)
-        blocks = filtered(source, config, file.sensor, run.cot.tick_us)
+        blocks = filtered(source, config, file.sensor, run.hardware.tick_us)
         kept = write_events(options.target, file.sensor, blocks, kind.name, force=options.force)
     save_learned(options)
     if options.json:

@@ -12,16 +12,16 @@ from evcot.compiling import compiled_aside, compiling_aside
 from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
-from evcot.filters.config import FilterConfig
-from evcot.trackers.auto.estimates import Estimates, estimate
-from evcot.trackers.auto_registers import auto_config, told
-from evcot.trackers.config import RunConfig, load_toml, without_motion
-from evcot.trackers.presets import AUTO, AUTO_PAPER, fit, run_config
+from evcot.hardware.config import with_module
+from evcot.hardware.modules import DEFAULT_MODULE
+from evcot.trackers.adaptive.estimates import Estimates, estimate
+from evcot.trackers.auto import auto_config, summary_line
+from evcot.trackers.config import RunConfig, load_toml, module_in
+from evcot.trackers.presets import AUTO, fit, run_config
 
 from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, compile_model, stalls_from
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
-from ...names import DEFAULT_TOP, Top
 from ..job import DEFAULT_SCENE
 from ..options import sensor_from
 from .filters import check_learning, filters_from, with_options
@@ -45,7 +45,6 @@ class Job:
     recording: Recording
     config: RunConfig
     name: str
-    top: Top
     seed: int | None
     folder: Path | None
     said: str | None = None
@@ -63,7 +62,7 @@ class Job:
 
     def run_file_of(self, digest: str) -> RunFile:
         """As `run_file`, with the digest of all events."""
-        return RunFile(self.source, self.top, self.seed, digest, self.config, self.said)
+        return RunFile(self.source, self.seed, digest, self.config, self.said)
 
 
 def job_from(
@@ -75,7 +74,7 @@ def job_from(
     auto: bool = False,
     most: int | None = None,
 ) -> Job:
-    """What the options say, on top of the run that --config or the input folder describes.
+    """What the options say, changing the run that --config or the input folder describes.
 
     Args:
         window: the part of the recording that is taken, (from, to) in us after its first event. Of a run that was made of a
@@ -94,9 +93,12 @@ def job_from(
     folder = _run_folder(options)
     described = read_run_file(options.config) if options.config else None
     source = _source(options, described.source if described else None, window)
-    from_estimates = options.preset in (AUTO, AUTO_PAPER) or (
-        auto and options.preset is None and not described and options.recording is not None
+    module = options.hardware or (options.config and module_in(options.config)) or None
+    from_estimates = options.preset == AUTO or (
+        auto and options.preset is None and not described and module in (None, DEFAULT_MODULE) and options.recording is not None
     )
+    if options.preset == AUTO and module not in (None, DEFAULT_MODULE):
+        raise ConfigError(f"--preset {AUTO}: must not be given with --hardware {module}: it configures {DEFAULT_MODULE}")
     if until_us is not None and not described and not from_estimates:
         source = replace(source, to_us=until_us)
     name = folder.name if folder else source.name
@@ -107,7 +109,6 @@ def job_from(
     recording, more = (source.read(), False) if most is None else source.begin(most)
     if described and source == described.source and not more:
         described.check(options.config, recording.events)
-    top: Top = options.hardware or (described.hardware if described else DEFAULT_TOP)
     seed = described.stalls if described and options.stalls is None else options.stalls
 
     def blocks() -> Iterable[Events]:
@@ -117,14 +118,13 @@ def job_from(
     if from_estimates:
         sensor = recording.width, recording.height
         # Which code of the model is compiled does not depend on the estimates.
-        preset = "motion" if _has_motion(options, top) else None
-        with compiling_aside(compile_model, recording.events[:1], sensor, run_config(*sensor, preset)):
+        with compiling_aside(compile_model, recording.events[:1], sensor, run_config(*sensor)):
             if more:
                 compiled_aside(estimate, [recording.events[:1]], sensor)
             seen = estimate(blocks(), sensor)
-    config = _config(options, recording, blocks, top, seen)
-    said = told(seen, config) if seen else None
-    return Job(source, recording, config, name, top, seed, folder, said, more)
+    config = _config(options, recording, blocks, module, seen)
+    said = summary_line(seen, config) if seen else None
+    return Job(source, recording, config, name, seed, folder, said, more)
 
 
 def _all_of(source: Source) -> Iterator[Events]:
@@ -161,31 +161,27 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
     return replace(base, skip_damaged=True) if options.skip_damaged else base
 
 
-def _has_motion(options: argparse.Namespace, top: Top) -> bool:
-    """Of the modules only the array has motion; and a file that has registers of slots is about the array without it."""
-    return options.preset != AUTO_PAPER and top == "cot_array" and not (options.config and without_motion(options.config))
-
-
 def _config(
     options: argparse.Namespace,
     recording: Recording,
     blocks: Callable[[], Iterable[Events]],
-    top: Top,
+    module: str | None,
     seen: Estimates | None,
 ) -> RunConfig:
     sensor = recording.width, recording.height
-    slots = 1 if top == "cot" and options.slots is None else options.slots
     if seen:
-        config = fit(auto_config(seen, AUTO if _has_motion(options, top) else AUTO_PAPER), *sensor, slots)
+        config = fit(auto_config(seen), *sensor, options.slots)
     else:
-        config = run_config(*sensor, options.preset, slots)
-    if seen and top == "cot":  # which has no filters in front
-        config = replace(config, filters=FilterConfig())
+        config = run_config(
+            *sensor, options.preset, options.slots, hardware=module if options.preset is None else options.hardware
+        )
     if options.config is not None:
         config = load_toml(options.config, config)
+        if options.hardware:
+            config = replace(config, hardware=with_module(config.hardware, options.hardware))
     filters = filters_from(options, config.filters, blocks(), sensor)
     if config.software_filters is not None:
         config = replace(config, software_filters=with_options(options, config.software_filters, sensor))
     config = replace(config, filters=filters)
-    check_addresses(recording, config.cot)
+    check_addresses(recording, config.hardware)
     return config

@@ -10,9 +10,9 @@ from typing import Any
 
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
-from evcot.hardware.config import CotConfig
-from evcot.trackers.auto.estimates import estimate
-from evcot.trackers.auto_registers import auto_config
+from evcot.hardware.config import CotConfig, MotionConfig
+from evcot.trackers.adaptive.estimates import estimate
+from evcot.trackers.auto import auto_config
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import run_config
 from evcot.trackers.settings import engine_settings
@@ -55,7 +55,7 @@ class Runs:
         self._given = configured(options, source.sensor)
         given_filters = filters_from(options, self._given[1], blocks(), source.sensor)
         self._given = self._given[0], given_filters
-        self._hardware: CotConfig | None = None
+        self._hardware: CotConfig | MotionConfig | None = None
 
     @property
     def first(self) -> Wish:
@@ -97,7 +97,7 @@ class Runs:
             is_file = isinstance(self._source, FileSource)
             run = auto_config(estimate(self._blocks(), sensor)) if is_file else run_config(*sensor)
             run = replace(run, filters=with_options(self._options, run.filters, sensor))
-            self._hardware = run.hardware(*sensor)
+            self._hardware = run.device_config(*sensor)
         return hardware_beside(self._hardware, sensor)
 
     def _hello(self, wish: Wish) -> dict[str, Any]:

@@ -9,8 +9,11 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from evcot.filters.config import FilterConfig
+from evcot.hardware.config import MotionConfig
+from evcot.hardware.modules import MODULES
+from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES, Engine
-from evcot.trackers.presets import AUTO, AUTO_PAPER, FOLLOWING, PRESETS
+from evcot.trackers.presets import AUTO, FOLLOWING, PRESETS, presets_of
 
 from ...tables import print_table
 
@@ -19,36 +22,31 @@ __all__ = ["run"]
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """List the presets; 0."""
-    if options.engine not in (None, "cot"):
+    if options.engine is not None and options.engine not in MODULES:
         _print_settings(ENGINES[options.engine], options.json)
         return 0
+    presets = presets_of(options.engine) if options.engine else {AUTO: FOLLOWING, **PRESETS}
     if options.json:
-        print(json.dumps({name: config.to_dict() for name, config in PRESETS.items()}, indent=2))
+        print(json.dumps({name: config.to_dict() for name, config in presets.items()}, indent=2))
         return 0
-    rows = [("name", "N_ev", "window px", "lifetime", "tick", "filters")]
-    for name, config in {AUTO: FOLLOWING, **PRESETS}.items():
-        filters = ", ".join(which.name.lower() for which in config.filters.filters)
-        filters += " by the noise" if config.filters.activity_noise_hz else ""
-        slot, motion = config.cot.slots[0], config.cot.motion
-        if motion.enable:
-            lives_ms = (motion.life_ticks * config.cot.tick_us / 1000, motion.coast_ticks * config.cot.tick_us / 1000)
-            n_ev, life = f"{motion.nev_low} to {motion.nev_high}", f"{lives_ms[0]:g} to {lives_ms[1]:g} ms"
-            rows.append((name, n_ev, "by its box", life, f"{config.cot.tick_us} us", filters))
-            continue
-        lifetime_ms = slot.max_ticks * config.cot.tick_us / 1000
-        rows.append(
-            (
-                name,
-                f"{slot.clust_nev} ({slot.nev_min} to {slot.nev_max})",
-                f"{slot.init_radix} + {slot.radix_th}",
-                f"{lifetime_ms:g} ms",
-                f"{config.cot.tick_us} us",
-                filters,
-            )
-        )
-    rows.append((AUTO_PAPER, "by what the recording shows: docs/auto.md", "", "", "", ""))
-    print_table(rows)
+    print_table([("name", "hardware", "N_ev", "window px", "lifetime", "tick", "filters"), *map(_row, presets.items())])
     return 0
+
+
+def _row(named: tuple[str, RunConfig]) -> tuple[str, ...]:
+    name, config = named
+    filters = ", ".join(which.name.lower() for which in config.filters.filters)
+    filters += " by the noise" if config.filters.activity_noise_hz else ""
+    hardware, tick_us = config.hardware, config.hardware.tick_us
+    if isinstance(hardware, MotionConfig):
+        registers = hardware.registers
+        n_ev, window = f"{registers.nev_low} to {registers.nev_high}", "by its box"
+        life = f"{registers.life_ticks * tick_us / 1000:g} to {registers.coast_ticks * tick_us / 1000:g} ms"
+    else:
+        slot = hardware.slots[0]
+        n_ev, window = f"{slot.clust_nev} ({slot.nev_min} to {slot.nev_max})", f"{slot.init_radix} + {slot.radix_th}"
+        life = f"{slot.max_ticks * tick_us / 1000:g} ms"
+    return name, hardware.module, n_ev, window, life, f"{tick_us} us", filters
 
 
 def _print_settings(engine: Engine, as_json: bool) -> None:

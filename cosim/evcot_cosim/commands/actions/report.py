@@ -15,6 +15,7 @@ from typing import Any
 import evcot
 from evcot.errors import ConfigError
 from evcot.events import Recording
+from evcot.hardware.modules import MODULES
 from evcot.outputs import is_own_file, remade
 from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
@@ -34,7 +35,6 @@ from .progress import Progress
 __all__ = ["run"]
 
 _PAGE = re.compile(r"part-[0-9]{5,}\.html")  # of a part of a long run
-_SIDES = {"cot-rtl": "hardware", "cot-model": "model"}  # names of engines; any other is software
 
 
 def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
@@ -140,10 +140,15 @@ def _names_of(taken: Sequence[str], logs: Sequence[tuple[str, Path]]) -> list[st
     """Names of sides for logs, given as engine and file: after their engine, else their file."""
     names: list[str] = []
     for engine, path in logs:
-        slug = _slug(_SIDES.get(engine, engine))
+        slug = _slug(_side_of(engine, path, engine))
         offered = [slug, _slug(path.stem), *(f"{slug}_{i}" for i in range(2, len(taken) + len(names) + 3))]
         names.append(next(name for name in offered if name not in taken and name not in names))
     return names
+
+
+def _side_of(engine: str, path: Path, otherwise: str) -> str:
+    """The side that a log is of: `evcot cosim` writes those of the hardware and of its golden model under these names."""
+    return path.stem if engine in MODULES and path.stem in ("hardware", "model") else otherwise
 
 
 def _slug(text: str) -> str:
@@ -180,7 +185,7 @@ def _of_logs(
 ) -> Material:
     if len(paths) == 1:
         log = TrackLog.load(paths[0])
-        sides = [Side(_SIDES.get(log.engine, "software"), log)]
+        sides = [Side(_side_of(log.engine, paths[0], "software"), log)]
     else:
         sides = _named([], paths)
     check_logs(zip(paths, (side.log for side in sides), strict=True), source.recording, Extent.of([recording.events]))
@@ -197,7 +202,7 @@ def _of_long_logs(
         raise ConfigError(f"{source.recording}: has more than {EVENTS_MAX} events: {rule}")
     logs = [open_log(log) for log in paths]
     if len(paths) == 1:
-        names = [_SIDES.get(logs[0].engine, "software")]
+        names = [_side_of(logs[0].engine, paths[0], "software")]
     else:
         names = _names_of([], [(log.engine, path) for log, path in zip(logs, paths, strict=True)])
     summary = write_long_logs(

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
 from evcot.errors import ConfigError, meant
-from evcot.events import Events
 from evcot.filters.config import FilterConfig
+from evcot.hardware.modules import MODULES
 from evcot.ranges import read_pair, read_value
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
@@ -22,18 +22,9 @@ from evcot.tracks.tracking import Tracker
 __all__ = ["configured", "plain", "say_seen"]
 
 
-def configured(
-    options: argparse.Namespace, sensor: tuple[int, int], look: Callable[[], Iterable[Events]] | None = None
-) -> tuple[Any, FilterConfig]:
-    """The engine's settings and the filters in front: the preset, with the file's and then the options' changes.
-
-    Args:
-        look: see `engine_settings`; what was seen and chosen is printed on stderr.
-    """
-    settings, filters = engine_settings(
-        options.engine, sensor, options.preset, options.config,
-        look=look, say=lambda line: None if options.quiet else print(line, file=sys.stderr), mark="--",
-    )  # fmt: skip
+def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[Any, FilterConfig]:
+    """The engine's settings and the filters in front: the preset, with the file's and then the options' changes."""
+    settings, filters = engine_settings(options.engine, sensor, options.preset, options.config, mark="--")
     return _with_options(options, settings, sensor), filters
 
 
@@ -55,7 +46,7 @@ def _with_options(options: argparse.Namespace, settings: Any, sensor: tuple[int,
 def _meant(key: str, known: Iterable[str], engine: str, sensor: tuple[int, int]) -> str:
     """As `meant`: a key of this engine, else of another one, whose name is then given."""
     near = meant(key, known)
-    others = (name for name in ENGINES if name not in (engine, "cot"))
+    others = (name for name in ENGINES if name != engine and name not in MODULES)
     while not near and (other := next(others, None)) is not None:
         near = meant(key, asdict(engine_settings(other, sensor)[0])).replace("?", f" of --engine {other}?")
     return near

@@ -7,17 +7,18 @@ import argparse
 import json
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import reduce
 from operator import add
 from pathlib import Path
 
 from evcot.errors import ConfigError
+from evcot.hardware.config import with_module
+from evcot.trackers.config import RunConfig
 
 from ...devices.device import build_device
 from ...fpga.activity import ModuleToggles, by_module, design_of, nets_of, uncounted
 from ...lockstep.lockstep import dump_window
-from ...names import Top
 from ...tables import print_table
 from ...waves.saif import write_saif
 from ...waves.toggles import count_toggles
@@ -35,7 +36,7 @@ _MOST_EVENTS = 200_000  # whose waveform, which lies on the disk while it is cou
 
 @dataclass(frozen=True)
 class _Counted:
-    top: Top
+    module: str
     n_events: int
     n_clocks: int
     modules: dict[str, ModuleToggles]
@@ -59,11 +60,11 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             raise ConfigError(
                 f"--from {options.from_ms:g} --to {options.to_ms:g}: {n:,} events: must be at most {_MOST_EVENTS:,}"
             )
-        if options.beside == job.top:
+        if options.beside == job.config.hardware.module:
             raise ConfigError(f"--beside {options.beside}: must be another module than --hardware")
-        counted = [_count(job, job.top, window, options.saif, force=options.force)]
+        counted = [_count(job, job.config, window, options.saif, force=options.force)]
         if options.beside is not None:
-            counted.append(_count(job, options.beside, window))
+            counted.append(_count(job, _beside(job.config, options.beside), window))
     save_learned(options)
     if options.json:
         print(json.dumps([{**asdict(one), "whole": asdict(one.whole)} for one in counted], indent=1))
@@ -72,19 +73,27 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     return 0
 
 
-def _count(job: Job, top: Top, window: Window, saif: Path | None = None, *, force: bool = False) -> _Counted:
-    config = job.config.hardware(job.recording.width, job.recording.height)
-    model = build_device(config, top)
+def _count(job: Job, run: RunConfig, window: Window, saif: Path | None = None, *, force: bool = False) -> _Counted:
+    config = run.device_config(job.recording.width, job.recording.height)
+    model = build_device(config)
     with tempfile.TemporaryDirectory() as folder:
         vcd = Path(folder) / "waves.vcd"
-        dump_window(job.recording.events, config, vcd, window.first, window.last, top=top, stalls=job.stalls)
+        dump_window(job.recording.events, config, vcd, window.first, window.last, stalls=job.stalls)
         activity = count_toggles(vcd)
     design = design_of(model.top, model.parameters)
     modules = by_module(design, activity)
     if saif is not None:
         write_saif(activity, saif, f"TOP.{model.top}", nets_of(design, activity), force=force)
     left_out = uncounted(design, activity)
-    return _Counted(top, window.last + 1 - window.first, activity.duration // CLOCK, modules, left_out)
+    return _Counted(config.module, window.last + 1 - window.first, activity.duration // CLOCK, modules, left_out)
+
+
+def _beside(config: RunConfig, module: str) -> RunConfig:
+    """The same for another module."""
+    try:
+        return replace(config, hardware=with_module(config.hardware, module))
+    except ConfigError as error:
+        raise ConfigError(f"--beside {module}: {error}") from error
 
 
 def _print(counted: Sequence[_Counted]) -> None:
@@ -96,13 +105,13 @@ def _print(counted: Sequence[_Counted]) -> None:
         for name, toggles in [*shown, ("all", one.whole)]:
             instances = f"{toggles.instances:,}" if name != "all" else ""
             rows.append((
-                one.top, name, instances,
+                one.module, name, instances,
                 f"{toggles.registers:,}", f"{toggles.register_toggles / one.n_events:.1f}",
                 f"{toggles.wires:,}", f"{toggles.wire_toggles / one.n_events:.1f}",
             ))  # fmt: skip
     print_table(rows)
     for one in counted:
-        print(f"{one.top}: {one.n_events:,} events, {one.n_clocks / one.n_events:.2f} clocks an event")
+        print(f"{one.module}: {one.n_events:,} events, {one.n_clocks / one.n_events:.2f} clocks an event")
         if one.uncounted:
             memories = ", ".join(f"{n} of {module}" for module, n in one.uncounted.items())
-            print(f"{one.top}: not counted, since too large for a waveform: memories, {memories}")
+            print(f"{one.module}: not counted, since too large for a waveform: memories, {memories}")

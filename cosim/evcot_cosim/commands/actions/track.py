@@ -58,7 +58,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         check_log_path(options.output)
     outputs = [path for path in (options.output, options.csv, options.boxes) if path is not None]
     with open_from(options, options.recording) as file, ExitStack() as held:
-        settings, filters = configured(options, file.sensor, lambda: file.blocks(*window))
+        settings, filters = configured(options, file.sensor)
         filters = filters_from(options, filters, file.blocks(*window), file.sensor)
         sensor, first_us = file.sensor, file.t0_us
 

@@ -85,8 +85,8 @@ def _what(options: argparse.Namespace, claim: Callable[[str], None] | None = Non
             raise ConfigError(f"--reach {reach}: must be from 0 to 1000000 events")
         job = job_from(options, claim=claim)
         recording = job.recording
-        config = job.config.hardware(recording.width, recording.height)
-        moment = find_moment(options.around, recording, config, job.top, job.folder)
+        config = job.config.device_config(recording.width, recording.height)
+        moment = find_moment(options.around, recording, config, job.folder)
         return job, Window.around(moment.event_index, len(recording.events), reach), moment
     if options.reach is not None:
         raise ConfigError("--reach: must be given with --around")
@@ -100,8 +100,8 @@ def _what(options: argparse.Namespace, claim: Callable[[str], None] | None = Non
 
 def _write(job: Job, window: Window, moment: Moment | None, folder: Path) -> Path:
     recording = job.recording
-    config = job.config.hardware(recording.width, recording.height)
-    vcd, _ = write_waves(recording.events, config, folder, window, top=job.top, stalls=job.stalls, moment=moment)
+    config = job.config.device_config(recording.width, recording.height)
+    vcd, _ = write_waves(recording.events, config, folder, window, stalls=job.stalls, moment=moment)
     return vcd
 
 

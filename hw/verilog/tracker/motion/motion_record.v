@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The record of an array with motion.
+// The record of cot_motion.
 //
 // Latency:    1 clock.
 // Throughput: a record in two clocks: `free` does not know of the one that is said in the same clock.

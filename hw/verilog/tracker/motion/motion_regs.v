@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The registers of an array with motion that hold for the whole array: docs/motion.md.
+// The registers of cot_motion that hold for the whole array: docs/motion.md.
 // Generated from sw/evcot/hardware/motion/contract.py by `python -m evcot.hardware.generate`: edit there.
 //
 // Values outside a register's range are not refused here.

@@ -31,7 +31,6 @@ SUB = 12  # fractional bits of a side, and of a velocity in pixels per motion st
 # register -> (lowest, highest, meaning)
 MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
     {
-        "enable": (0, 1, "0: the rules of algorithm.md; 1: those of motion.md"),
         "step_log2": (0, 20, "a motion step every 2^step_log2 ticks"),
         "side_step": (1, 65535, "way of a side for an event beyond and one within it, in 2^-12 px"),
         "side_share": (1, 8, "2^-side_share of a slot's events lie beyond each side"),
@@ -95,13 +94,12 @@ MOTION_RULES = (
 
 @dataclass(frozen=True)
 class MotionRegisters:
-    """The registers of the extended contract, off by default; meanings and limits in `MOTION_RANGES`.
+    """The registers of `cot_motion`; meanings and limits in `MOTION_RANGES`.
 
     Raises:
         ConfigError: a value outside its range, or values that contradict each other.
     """
 
-    enable: int = 0
     step_log2: int = 10
     side_step: int = 1024
     side_share: int = 4
@@ -188,7 +186,7 @@ def _bank(names: list[str]) -> Mapping[str, MotionRegister]:
     )
 
 
-_ORDER = [name for name in MOTION_RANGES if name != "enable"]  # what is built has motion, and has nothing else
+_ORDER = list(MOTION_RANGES)
 _LIVES = _ORDER.index("detect_ticks")
 MOTION_BANKS: Mapping[str, Mapping[str, MotionRegister]] = MappingProxyType(
     {"motion": _bank(_ORDER[:_LIVES]), "tracks": _bank(_ORDER[_LIVES:])}

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from evcot.errors import ConfigError
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode, Shape
-from evcot.hardware.cot import CotModel, Decisions
+from evcot.hardware.cot import CotModel
+from evcot.hardware.model import Decisions
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls

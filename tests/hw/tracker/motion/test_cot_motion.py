@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The array with motion: scenes in which objects meet, random registers and traffic, restarts, in RTL and golden model."""
+"""cot_motion: scenes in which objects meet, random registers and traffic, restarts, in RTL and golden model."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Mode, Shape
-from evcot.hardware.cot import CotModel, Decisions
+from evcot.hardware.model import Decisions
+from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import Kind
@@ -39,10 +40,10 @@ def equal(hardware: Decisions, model: Decisions) -> None:
 
 @pytest.mark.parametrize("name", VARIANTS)
 def test_scenes_in_which_objects_meet(name: str) -> None:
-    config = CotConfig(SHAPE, motion=replace(QUICK, **VARIANTS[name]))
+    config = MotionConfig(SHAPE, replace(QUICK, **VARIANTS[name]))
     for seed in (1, 2):
-        events = scene(seed, 6_000 if config.motion.step_log2 else 2_000)  # a step at every tick takes most of the clocks
-        model = CotModel(config).feed(events)
+        events = scene(seed, 6_000 if config.registers.step_log2 else 2_000)  # a step at every tick takes most of the clocks
+        model = MotionModel(config).feed(events)
         assert len(model.records)
         stalls = Stalls.random(np.random.default_rng(seed)) if seed == 2 else None
         equal(bare_device(config, stalls=stalls).stream(events), model)
@@ -59,14 +60,14 @@ def test_random_registers_and_traffic(shape: Shape, seed: int) -> None:
 def test_objects_whose_events_come_in_bursts(step_ms: int) -> None:
     events = bursts(step_ms, [Square(20, 20, 40, 30), Square(150, 100, -40, 10, side=30)], (240, 180), lasts_ms=1_500)
     ticks = TickedEvents.of(events)
-    config = fit(PRESETS["motion"], 240, 180, 8).cot
-    model = CotModel(config).feed(ticks)
+    config = fit(PRESETS["motion"], 240, 180, 8).hardware
+    model = MotionModel(config).feed(ticks)
     equal(bare_device(config).stream(ticks), model)
     assert (np.count_nonzero(model.records["kind"] == Kind.BORN) >= 2) == (step_ms <= 100)
 
 
 def test_stalls_change_nothing() -> None:
-    config = CotConfig(SHAPE, motion=QUICK)
+    config = MotionConfig(SHAPE, QUICK)
     plain = bare_device(config).stream(scene(3))
     for seed in range(3):
         stalls = Stalls.random(np.random.default_rng(seed), go=(0.9, 0.1, 0.2, 0.2))
@@ -76,8 +77,8 @@ def test_stalls_change_nothing() -> None:
 @pytest.mark.parametrize("writes", [1, 3])
 def test_a_write_of_mode_restarts_a_slot_between_two_events(writes: int) -> None:
     rng, events = np.random.default_rng(4), scene(4)
-    config = CotConfig(SHAPE, motion=replace(QUICK, birth_support=5, birth_ticks=10))
-    device, model = bare_device(config), CotModel(config)
+    config = MotionConfig(SHAPE, replace(QUICK, birth_support=5, birth_ticks=10))
+    device, model = bare_device(config), MotionModel(config)
     lost = 0
     for begin in range(0, len(events), 200):
         part = events[begin : begin + 200]
@@ -85,8 +86,8 @@ def test_a_write_of_mode_restarts_a_slot_between_two_events(writes: int) -> None
         said = []
         for _ in range(writes):
             slot, mode = int(rng.integers(SHAPE.n_slots)), int(rng.choice([Mode.OFF, Mode.SEEDED]))
-            device.write_registers(slot, SlotConfig(mode=mode))
-            said.extend(model.write_registers(slot, SlotConfig(mode=mode), restart=True))
+            device.write_mode(slot, mode)
+            said.extend(model.write_mode(slot, mode))
         found = device.stream(events[:0]).records
         assert np.array_equal(found, np.array(said, found.dtype))
         lost += len(said)
@@ -96,8 +97,8 @@ def test_a_write_of_mode_restarts_a_slot_between_two_events(writes: int) -> None
 def test_events_that_a_filter_dropped_only_advance_time() -> None:
     events, rng = scene(2), np.random.default_rng(5)
     keep = rng.random(len(events)) < 0.7
-    config = CotConfig(SHAPE, motion=QUICK)
-    equal(bare_device(config).stream(events, keep), CotModel(config).feed(events, keep))
+    config = MotionConfig(SHAPE, QUICK)
+    equal(bare_device(config).stream(events, keep), MotionModel(config).feed(events, keep))
 
 
 def test_a_box_that_coasts_out_of_the_sensor_stops_within_reach() -> None:
@@ -112,8 +113,8 @@ def test_a_box_that_coasts_out_of_the_sensor_stops_within_reach() -> None:
     y = (20 + np.arange(n) % 5).astype(np.uint16)
     events = TickedEvents(ticks, x, y, np.zeros(n, np.uint8))
     later = TickedEvents(ticks[-1:] + 200_000, x[:1] * 0, y[:1] * 0, np.zeros(1, np.uint8))
-    config = CotConfig(replace(SHAPE, n_slots=1), motion=fast)
-    device, model = bare_device(config), CotModel(config)
+    config = MotionConfig(replace(SHAPE, n_slots=1), fast)
+    device, model = bare_device(config), MotionModel(config)
     equal(device.stream(events), model.feed(events))
     found = model.feed(later)
     equal(device.stream(later), found)
@@ -124,8 +125,8 @@ def test_a_box_that_coasts_out_of_the_sensor_stops_within_reach() -> None:
 
 
 def test_a_silence_ends_lives_at_steps_alone() -> None:
-    config, events = CotConfig(SHAPE, motion=replace(QUICK, birth_support=10, birth_ticks=0)), scene(1)
-    device, model = bare_device(config), CotModel(config)
+    config, events = MotionConfig(SHAPE, replace(QUICK, birth_support=10, birth_ticks=0)), scene(1)
+    device, model = bare_device(config), MotionModel(config)
     equal(device.stream(events), model.feed(events))
     later = TickedEvents(events.ticks[-1:] + 100_000, events.x[-1:], events.y[-1:], events.p[-1:])
     said = model.feed(later)
@@ -143,14 +144,14 @@ def test_steps_of_many_slots_may_take_more_than_a_million_clocks_in_a_silence() 
         QUICK, step_log2=0, nev_low=4, nev_high=4, seed_px=2, gap_corrections=0, birth_support=never, join_steps=1_023,
         detect_ticks=long, life_ticks=long, coast_ticks=long,
     )  # fmt: skip
-    config = CotConfig(shape, motion=registers)
+    config = MotionConfig(shape, registers)
     which, rng = np.tile(np.arange(64), 40), np.random.default_rng(6)
     x, y = (place * 16 + 4 + rng.integers(0, 4, len(which)) for place in (which % 8, which // 8))
     events = TickedEvents(
         np.zeros(len(which), np.int64), x.astype(np.uint16), y.astype(np.uint16), (which * 0).astype(np.uint8)
     )
     silent = TickedEvents(np.array([100]), events.x[:1], events.y[:1], events.p[:1])
-    device, model = bare_device(config), CotModel(config)
+    device, model = bare_device(config), MotionModel(config)
     equal(device.stream(events), model.feed(events))
     before = device.cycle
     equal(device.stream(silent), model.feed(silent))
@@ -160,17 +161,17 @@ def test_steps_of_many_slots_may_take_more_than_a_million_clocks_in_a_silence() 
 def test_clocks() -> None:
     """An event a clock, of one owner or of none; a step over free slots takes five, and its token eight."""
     shape = replace(SHAPE, n_slots=2, time_w=48)
-    config = CotConfig(shape, motion=replace(QUICK, step_log2=20, nev_low=1_023, nev_high=1_023, seed_px=5))
+    config = MotionConfig(shape, replace(QUICK, step_log2=20, nev_low=1_023, nev_high=1_023, seed_px=5))
     n = 1_000
     zero = np.zeros(n, np.int64)
     same = TickedEvents(zero, np.full(n, 60, np.uint16), np.full(n, 30, np.uint16), np.zeros(n, np.uint8))
     accepted = bare_device(config).stream_timed(same)[1].accepted
     assert accepted[-1] - accepted[200] == n - 1 - 200
-    off = tuple(SlotConfig(mode=Mode.OFF) for _ in range(2))
-    accepted = bare_device(replace(config, slots=off)).stream_timed(same)[1].accepted
+    off = replace(config, modes=(Mode.OFF,) * 2)
+    accepted = bare_device(off).stream_timed(same)[1].accepted
     assert accepted[-1] - accepted[0] == n - 1
     silent = TickedEvents(np.array([0, 100 << 20]), same.x[:2], same.y[:2], same.p[:2])
-    device = bare_device(replace(config, slots=off))
+    device = bare_device(off)
     device.stream(silent)
     assert device.cycle < 14 * 101 + 60  # a token holds 2^20 - 1 ticks: 101 of them
 
@@ -187,7 +188,7 @@ def test_clocks_between_corrections() -> None:
         place = rng.integers(0, objects, n) * 32
         x, y = (place + 12 + rng.integers(0, 8, n)).astype(np.uint16), (20 + rng.integers(0, 8, n)).astype(np.uint16)
         events = TickedEvents(np.zeros(n, np.int64), x, y, np.zeros(n, np.uint8))
-        accepted = bare_device(CotConfig(shape, motion=registers)).stream_timed(events)[1].accepted
+        accepted = bare_device(MotionConfig(shape, registers)).stream_timed(events)[1].accepted
         clocks = (accepted[-1] - accepted[1_000]) / (n - 1_001)
         print(f"{objects} objects: {clocks:.2f} clocks an event")
         assert clocks < most
@@ -208,7 +209,7 @@ def test_clocks_of_motion_steps(objects: int) -> None:
             np.append(np.zeros(n, np.int64), steps << 4), np.append(x, x[-1]).astype(np.uint16),
             np.append(rng.integers(30, 38, n), 30).astype(np.uint16), np.zeros(n + 1, np.uint8),
         )  # fmt: skip
-        device = bare_device(CotConfig(Shape(n_slots=8), motion=registers))
+        device = bare_device(MotionConfig(Shape(n_slots=8), registers))
         device.stream(events)
         return device.cycle
 
@@ -242,8 +243,8 @@ def test_refused_parameters(parameter: str, rule: str) -> None:
 
 def test_time_must_be_wider_than_a_tick() -> None:
     assert "TIME_W_must_be_more_than_TICK_W" in lint("cot_motion", TIME_W=32, TICK_W=32)[1]
-    with pytest.raises(ConfigError, match=r"^shape.time_w = 32: must be more than tick_w = 32 with motion.enable = 1$"):
-        build_device(CotConfig(Shape(time_w=32, tick_w=32, tc_w=22), motion=QUICK))
+    with pytest.raises(ConfigError, match=r"^shape.time_w = 32: must be more than tick_w = 32 for cot_motion$"):
+        MotionConfig(Shape(time_w=32, tick_w=32, tc_w=22))
 
 
 @pytest.mark.parametrize("n", [1, 5, 64])

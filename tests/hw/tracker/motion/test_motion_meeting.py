@@ -25,7 +25,7 @@ def unpacked(word: int) -> list[int]:
 
 
 def random_slot(rng: np.random.Generator, number: int) -> Slot:
-    slot = Slot(number, MotionRegisters(enable=1), 0, 0, 0)
+    slot = Slot(number, MotionRegisters(), 0, 0, 0)
     for axis in slot.axes:
         low = int(rng.integers(-20, 40))
         axis.box, axis.ring = (low, low + int(rng.integers(0, 25))), int(rng.integers(0, 12))

@@ -41,7 +41,7 @@ def test_random_pairs() -> None:
     seen: dict[str, set[int]] = {}
     for _ in range(2_500):
         registers = replace(
-            MotionRegisters(enable=1), join_speed=int(rng.integers(0, 4)), join_reach=int(rng.integers(0, 9)),
+            MotionRegisters(), join_speed=int(rng.integers(0, 4)), join_reach=int(rng.integers(0, 9)),
             join_px=int(rng.integers(0, 256)) >> int(rng.integers(4, 9)),
         )  # fmt: skip
         speed = int(rng.choice([50, 300, 32_767]))

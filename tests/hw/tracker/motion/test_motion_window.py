@@ -32,7 +32,7 @@ def test_random_boxes() -> None:
     for _ in range(1_500):
         ring_px, ring_max = sorted(int(px) for px in rng.integers(0, 256, 2) >> rng.integers(0, 6))
         registers = replace(
-            MotionRegisters(enable=1), ring_px=ring_px, ring_max=ring_max, elongation=int(rng.integers(1, 16)),
+            MotionRegisters(), ring_px=ring_px, ring_max=ring_max, elongation=int(rng.integers(1, 16)),
             **{name: int(rng.integers(0, 9)) for name in ("ring_across", "ring_along", "ring_any")},
         )  # fmt: skip
         slot = Slot(0, registers, 0, 0, 0)

@@ -11,11 +11,13 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
-from evcot.hardware.config import CotConfig, SlotConfig
-from evcot.hardware.contract import RECORD, Mode
-from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records
+from evcot.hardware.config import MotionConfig, with_module
+from evcot.hardware.contract import Mode
+from evcot.hardware.golden import to_track_records
+from evcot.hardware.model import Decisions
 from evcot.hardware.motion._kernel import RECORDS_PER_SLOT
 from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
+from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import DROPPED, Kind
@@ -26,8 +28,8 @@ from support.slow_motion import SlowArray
 FEW_EVENTS = replace(QUICK, birth_support=20, nev_high=10)  # where most events are taken out
 
 
-def config_of(registers: MotionRegisters, **shape: int) -> CotConfig:
-    return CotConfig(replace(SHAPE, **shape), motion=registers)
+def config_of(registers: MotionRegisters, **shape: int) -> MotionConfig:
+    return MotionConfig(replace(SHAPE, **shape), registers)
 
 
 def as_tuples(records: NDArray[np.void]) -> list[tuple[int, ...]]:
@@ -42,7 +44,7 @@ def as_tuples(records: NDArray[np.void]) -> list[tuple[int, ...]]:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_equals_a_slow_model(name: str, seed: int) -> None:
     registers, events = replace(QUICK, **VARIANTS[name]), scene(seed)
-    model = CotModel(config_of(registers)).feed(events)
+    model = MotionModel(config_of(registers)).feed(events)
     slow = SlowArray(registers, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
     for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
         slow.event(at, x, y)
@@ -53,12 +55,13 @@ def test_equals_a_slow_model(name: str, seed: int) -> None:
 
 @pytest.mark.parametrize("step_ms", [5, 20, 100, 200])
 def test_equals_a_slow_model_where_events_come_in_bursts(step_ms: int) -> None:
-    config = fit(PRESETS["motion"], 240, 180, 8).cot
+    config = fit(PRESETS["motion"], 240, 180, 8).hardware
+    assert isinstance(config, MotionConfig)
     events = TickedEvents.of(bursts(step_ms, [Square(20, 20, 40, 30), Square(150, 100, -40, 10, side=30)], (240, 180)))
-    slow = SlowArray(config.motion, 8, (1 << config.shape.sup_w) - 1, (1 << config.shape.id_w) - 1)
+    slow = SlowArray(config.registers, 8, (1 << config.shape.sup_w) - 1, (1 << config.shape.id_w) - 1)
     for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
         slow.event(at, x, y)
-    model = CotModel(config).feed(events)
+    model = MotionModel(config).feed(events)
     assert model.owner.tolist() == slow.owners
     assert as_tuples(model.records) == slow.records
 
@@ -66,7 +69,7 @@ def test_equals_a_slow_model_where_events_come_in_bursts(step_ms: int) -> None:
 @pytest.mark.parametrize("seed", [3, 4])
 def test_equals_a_slow_model_whose_registers_change_while_lives_go_on(seed: int) -> None:
     rng, events = np.random.default_rng(seed), scene(seed)
-    model = CotModel(config_of(QUICK))
+    model = MotionModel(config_of(QUICK))
     slow = SlowArray(QUICK, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
     records = []
     for begin in range(0, len(events), 150):
@@ -75,17 +78,10 @@ def test_equals_a_slow_model_whose_registers_change_while_lives_go_on(seed: int)
         for at, x, y in zip(part.ticks.tolist(), part.x.tolist(), part.y.tolist(), strict=True):
             slow.event(at, x, y)
         changed = replace(QUICK, **VARIANTS[str(rng.choice(list(VARIANTS)))])
-        model.write_motion(changed)
+        model.write_registers(changed)
         slow.write(changed, int(part.ticks[-1]))
     assert records == slow.records
     assert len(records) > 100
-
-
-def test_registers_of_motion_are_for_a_model_with_motion() -> None:
-    for config, changed in ((CotConfig(SHAPE), QUICK), (config_of(QUICK), replace(QUICK, enable=0))):
-        with pytest.raises(ConfigError) as caught:
-            CotModel(config).write_motion(changed)
-        assert str(caught.value) == f"motion.enable = {changed.enable}: a model with motion has it on, another never"
 
 
 def test_the_scenes_show_every_kind_of_record_and_shared_events() -> None:
@@ -93,7 +89,7 @@ def test_the_scenes_show_every_kind_of_record_and_shared_events() -> None:
     kinds = set()
     for seed in (1, 2):
         for changes in VARIANTS.values():
-            kinds |= set(CotModel(config_of(replace(QUICK, **changes))).feed(scene(seed)).records["kind"].tolist())
+            kinds |= set(MotionModel(config_of(replace(QUICK, **changes))).feed(scene(seed)).records["kind"].tolist())
     assert kinds == {int(kind) for kind in Kind}
 
 
@@ -105,15 +101,15 @@ def same(a: Decisions, b: Decisions) -> None:
 @pytest.mark.parametrize("cuts", [[1], [3_000], [10, 11, 12, 5_999], list(range(0, 6_000, 7))])
 def test_runs_may_be_cut_anywhere(cuts: list[int]) -> None:
     events = scene(3)
-    whole = CotModel(config_of(QUICK)).feed(events)
-    model = CotModel(config_of(QUICK))
+    whole = MotionModel(config_of(QUICK)).feed(events)
+    model = MotionModel(config_of(QUICK))
     bounds = [0, *cuts, len(events)]
     parts = [model.feed(events[a:b]) for a, b in pairwise(bounds)]
     same(whole, Decisions(*(np.concatenate([getattr(part, name) for part in parts]) for name in Decisions._fields)))
 
 
 def test_an_event_is_at_its_place_in_its_owner_window() -> None:
-    decided = CotModel(config_of(QUICK)).feed(scene(1))
+    decided = MotionModel(config_of(QUICK)).feed(scene(1))
     owned = decided.owner >= 0
     assert owned.any()
     assert decided.rel_x[owned].max() <= QUICK.side_max + 2 * QUICK.ring_max + 1
@@ -125,7 +121,7 @@ def test_dropped_events_have_no_owner_but_advance_time_and_the_count(passing: fl
     events = scene(2)
     keep = np.random.default_rng(5).random(len(events)) < passing
     keep[-1_000:] = False  # lives end while none is kept
-    decided = CotModel(config_of(FEW_EVENTS)).feed(events, keep)
+    decided = MotionModel(config_of(FEW_EVENTS)).feed(events, keep)
     slow = SlowArray(FEW_EVENTS, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
     for at, x, y, kept in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), keep.tolist(), strict=True):
         slow.event(at, x, y, kept)
@@ -139,47 +135,36 @@ def test_dropped_events_have_no_owner_but_advance_time_and_the_count(passing: fl
 def test_a_buffer_of_records_that_is_full_again_and_again_changes_nothing(spare: int, monkeypatch: pytest.MonkeyPatch) -> None:
     events = scene(1)
     keep = np.random.default_rng(spare).random(len(events)) < 0.6
-    whole = CotModel(config_of(FEW_EVENTS)).feed(events, keep)
+    whole = MotionModel(config_of(FEW_EVENTS)).feed(events, keep)
     monkeypatch.setattr("evcot.hardware.motion.model._SPARE_RECORDS", spare)
     assert len(whole.records) > 10 * (RECORDS_PER_SLOT * SHAPE.n_slots + spare)
-    same(CotModel(config_of(FEW_EVENTS)).feed(events, keep), whole)
-
-
-def test_off_leaves_every_bit_as_it_was() -> None:
-    slot = SlotConfig(
-        init_radix=6, radix_min=4, radix_max=9, clust_nev=4, nev_min=2, nev_max=8, max_ticks=300, detect_ticks=200
-    )
-    events = scene(1)
-    plain = CotModel(CotConfig.uniform(SHAPE, slot)).feed(events)
-    off = CotModel(replace(CotConfig.uniform(SHAPE, slot), motion=replace(QUICK, enable=0))).feed(events)
-    assert off.records.dtype == RECORD
-    same(plain, off)
+    same(MotionModel(config_of(FEW_EVENTS)).feed(events, keep), whole)
 
 
 def test_a_slot_that_is_off_is_never_used() -> None:
-    slots = tuple(SlotConfig(mode=Mode.OFF if i in (0, 3) else Mode.SEEDED) for i in range(SHAPE.n_slots))
-    decided = CotModel(replace(config_of(QUICK), slots=slots)).feed(scene(1))
+    modes = tuple(Mode.OFF if i in (0, 3) else Mode.SEEDED for i in range(SHAPE.n_slots))
+    decided = MotionModel(replace(config_of(QUICK), modes=modes)).feed(scene(1))
     assert set(np.unique(decided.owner)) >= {1, 2}
     assert not np.isin(decided.owner, (0, 3)).any()
 
 
 def test_writing_mode_ends_a_life_with_a_record() -> None:
-    events, model = scene(1), CotModel(config_of(replace(QUICK, coast_ticks=100_000, life_ticks=100_000)))
+    events, model = scene(1), MotionModel(config_of(replace(QUICK, coast_ticks=100_000, life_ticks=100_000)))
     born = model.feed(events).records
     slot = int(born["slot"][born["kind"] == Kind.BORN][-1])
-    ended = model.write_registers(slot, SlotConfig(mode=Mode.OFF), restart=True)
+    ended = model.write_mode(slot, Mode.OFF)
     assert ended.dtype == MOTION_RECORD
     assert ended["kind"].tolist() in ([Kind.LOST], [])
-    assert len(model.write_registers(slot, SlotConfig(mode=Mode.OFF), restart=True)) == 0
-    with pytest.raises(ConfigError, match=r"^slot\[1\].mode = 1: must be 0 or 2 with motion.enable = 1$"):
-        model.write_registers(1, SlotConfig(mode=Mode.FIXED), restart=True)
+    assert len(model.write_mode(slot, Mode.OFF)) == 0
+    with pytest.raises(ConfigError, match=r"^slot\[1\].mode = 1: must be 0 \(off\) or 2 \(seeded\)$"):
+        model.write_mode(1, Mode.FIXED)
 
 
 def test_a_fixed_start_and_a_chain_are_refused() -> None:
-    with pytest.raises(ConfigError, match=r"^cot.slot\[0\].mode = 1: must be 0 or 2 with motion.enable = 1$"):
-        replace(config_of(QUICK), slots=(SlotConfig(mode=Mode.FIXED),) * SHAPE.n_slots)
-    with pytest.raises(ConfigError, match=r"^motion.enable = 1: must be 0 for a chain; only an array has motion$"):
-        CotModel(config_of(QUICK), Arrangement.CHAIN)
+    with pytest.raises(ConfigError, match=r"^motion.modes\[0\] = 1: must be 0 \(off\) or 2 \(seeded\)$"):
+        replace(config_of(QUICK), modes=(Mode.FIXED,) * SHAPE.n_slots)
+    with pytest.raises(ConfigError, match=r"^hardware = 'cot_chain': these registers are those of cot_motion$"):
+        with_module(config_of(QUICK), "cot_chain")
 
 
 def test_records_in_pixels_and_seconds() -> None:

@@ -10,17 +10,22 @@ from typing import Any
 import pytest
 
 from evcot.errors import ConfigError
+from evcot.hardware.config import MotionConfig
 from evcot.hardware.motion._state import STEP_LOG2
 from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
-from evcot.trackers.config import load_toml
+from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.presets import PRESETS, fit
 
 NAMES = [field.name for field in fields(MotionRegisters)]
 
 
-def test_every_register_has_a_range_and_none_is_on_by_default() -> None:
+def registers_of(config: RunConfig) -> MotionRegisters:
+    assert isinstance(config.hardware, MotionConfig)
+    return config.hardware.registers
+
+
+def test_every_register_has_a_range() -> None:
     assert list(MOTION_RANGES) == NAMES
-    assert MotionRegisters().enable == 0
     assert NAMES[STEP_LOG2] == "step_log2"
 
 
@@ -51,18 +56,21 @@ def test_contradictions_are_refused(changes: dict[str, int], message: str) -> No
 
 def test_a_file_sets_them(tmp_path: Path) -> None:
     path = tmp_path / "run.toml"
-    path.write_text("[motion]\nenable = 1\nside_max = 90\n", encoding="utf-8")
-    base = PRESETS["davis346"]
-    found = load_toml(path, base).cot.motion
-    assert found == replace(base.cot.motion, enable=1, side_max=90)
+    path.write_text('hardware = "cot_motion"\n[motion]\nside_max = 90\n', encoding="utf-8")
+    base = PRESETS["motion"]
+    assert registers_of(load_toml(path, base)) == replace(registers_of(base), side_max=90)
+    assert registers_of(load_toml(path, PRESETS["davis346"])) == MotionRegisters(side_max=90), "no registers of it before"
     path.write_text("[motion]\nside = 90\n", encoding="utf-8")
     with pytest.raises(ConfigError, match=r"\[motion\]: unknown field 'side'"):
+        load_toml(path, base)
+    path.write_text("[motion]\nenable = 1\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"\[motion\]: enable: there is no such register any more"):
         load_toml(path, base)
 
 
 def test_the_preset_keeps_them_on_any_sensor() -> None:
-    motion = PRESETS["motion"].cot.motion
-    assert motion.enable == 1
-    assert fit(PRESETS["motion"], 640, 480, 4).cot.motion == motion
-    assert "motion" in PRESETS["motion"].to_dict()["cot"]
-    assert "motion" not in PRESETS["traffic"].to_dict()["cot"]
+    motion = PRESETS["motion"]
+    assert motion.hardware.module == "cot_motion"
+    assert registers_of(fit(motion, 640, 480, 4)) == registers_of(motion)
+    hardware = {name: PRESETS[name].to_dict()["hardware"] for name in ("motion", "traffic")}
+    assert [("registers" in values, "slots" in values) for values in hardware.values()] == [(True, False), (False, True)]

@@ -11,17 +11,17 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from evcot.hardware.config import CotConfig
+from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Shape
-from evcot.hardware.cot import CotModel
 from evcot.hardware.motion import _state
 from evcot.hardware.motion._gaps import clear_bins
 from evcot.hardware.motion._velocity import gain_log2, over
 from evcot.hardware.motion.contract import MotionRegisters
+from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 
-ON = MotionRegisters(enable=1)
+DEFAULT = MotionRegisters()
 PX = 4096.0
 
 Pair = tuple[float, float]
@@ -54,8 +54,8 @@ def outline(
     return t, start[0] + speed[0] * t * 1e-6 + half[0] * x, start[1] + speed[1] * t * 1e-6 + half[1] * y
 
 
-def records(stream: TickedEvents, registers: MotionRegisters = ON, n_slots: int = 8) -> NDArray[np.void]:
-    return CotModel(CotConfig(Shape(n_slots=n_slots, x_w=8, y_w=8), motion=registers)).feed(stream).records
+def records(stream: TickedEvents, registers: MotionRegisters = DEFAULT, n_slots: int = 8) -> NDArray[np.void]:
+    return MotionModel(MotionConfig(Shape(n_slots=n_slots, x_w=8, y_w=8), registers)).feed(stream).records
 
 
 @njit(nogil=True)
@@ -66,7 +66,7 @@ def _gain_at(s: NDArray[np.int64], r: NDArray[np.int64], run: int) -> int:
 def _gain_of(run: int, *, meets: int = 0, gain_fast: int = 0) -> int:
     s = np.zeros((1, _state.FIELD_COUNT), np.int64)
     s[0, _state.MEETS] = meets
-    registers = replace(ON, gain_log2=5, gain_fast=gain_fast)
+    registers = replace(DEFAULT, gain_log2=5, gain_fast=gain_fast)
     return int(_gain_at(s, np.array(list(vars(registers).values()), np.int64), run))
 
 
@@ -94,7 +94,7 @@ def test_prediction_carries_an_object_over_silence() -> None:
     t, x, y = outline(2, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 20_000)
     seen = (t < 500_000) | (t > 560_000)  # it goes on for 9 px behind something
     stream = events((t[seen], x[seen], y[seen]))
-    registers = replace(ON, life_ticks=80_000)
+    registers = replace(DEFAULT, life_ticks=80_000)
     found = records(stream, registers)
     assert (born(found), np.count_nonzero(found["kind"] == Kind.LOST)) == (1, 0)
     hidden = found[(found["time"] > 505_000) & (found["time"] < 560_000)]
@@ -109,7 +109,7 @@ def test_a_silent_velocity_dies_away() -> None:
     stream = events(outline(3, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 20_000, 400_000))
     last = TickedEvents(np.array([470_000]), *(np.array([200], np.uint16),) * 2, np.zeros(1, np.uint8))
     both = [TickedEvents(*(np.concatenate(pair) for pair in zip(vars(stream).values(), vars(last).values(), strict=True)))]
-    found = records(both[0], replace(ON, life_ticks=100_000))
+    found = records(both[0], replace(DEFAULT, life_ticks=100_000))
     silent = found[found["time"] > 405_000]["v_x"]
     assert 0.7 * silent[0] > silent[-1] > 0
     assert (np.diff(silent) <= 0).all()
@@ -129,7 +129,7 @@ def test_corrections_that_agree_are_followed_sooner() -> None:
     stream, _ = swing(4)
     off = {}
     for fast in (0, 2):
-        found = records(stream, replace(ON, gain_log2=6, gain_slow=0, gain_fast=fast, life_ticks=100_000))
+        found = records(stream, replace(DEFAULT, gain_log2=6, gain_slow=0, gain_fast=fast, life_ticks=100_000))
         found = found[found["time"] > 500_000]
         speed = 2 * np.pi * 60.0 * np.cos(2 * np.pi * found["time"] * 1e-6)
         off[fast] = np.abs(found["v_x"] * 1e6 / 1024 / PX - speed).mean()
@@ -150,10 +150,10 @@ def test_a_silent_box_goes_on_by_a_part_of_its_way() -> None:
     stream = events((t[t < 500_000], x[t < 500_000], y[t < 500_000]), (np.array([990_000.0]), *(np.array([250.0]),) * 2))
     went = []
     for slow in (0, 2):
-        found = records(stream, replace(ON, coast_slow=slow, friction=0, life_ticks=90_000, coast_ticks=90_000))
+        found = records(stream, replace(DEFAULT, coast_slow=slow, friction=0, life_ticks=90_000, coast_ticks=90_000))
         silent = found[(found["time"] > 520_000) & (found["kind"] == Kind.MOVED)]
         went.append(np.ptp(silent["cm_x"]) / PX)
-    empty = 32 * 2**ON.step_log2  # ticks of motion steps without events, which do not count
+    empty = 32 * 2**DEFAULT.step_log2  # ticks of motion steps without events, which do not count
     assert went[0] == pytest.approx(150e-6 * (70_000 + empty), abs=2.0)
     assert went[1] == pytest.approx(went[0] / 4, rel=0.1)
 
@@ -162,7 +162,7 @@ def test_what_was_lost_goes_on_under_its_id_if_it_returns_in_time_and_there() ->
     pause = (1_160_000, 1_400_000)  # about a turn
     stream, _ = swing(5, (pause,))
     for wait, tracks in ((0, 2), (100_000, 2), (400_000, 1)):
-        found = records(stream, replace(ON, gain_fast=2, coast_slow=2, return_ticks=wait))
+        found = records(stream, replace(DEFAULT, gain_fast=2, coast_slow=2, return_ticks=wait))
         assert born(found) == tracks == len(set(found["track_id"].tolist()))
         lost = found["time"][found["kind"] == Kind.LOST]
         assert len(lost) == 1
@@ -172,7 +172,7 @@ def test_what_was_lost_goes_on_under_its_id_if_it_returns_in_time_and_there() ->
         (elsewhere[0] + 700_000, elsewhere[1], elsewhere[2]),
         outline(5, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 15_000, 600_000),
     )
-    assert born(records(late, replace(ON, return_ticks=2**24 - 1))) == 2
+    assert born(records(late, replace(DEFAULT, return_ticks=2**24 - 1))) == 2
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -190,11 +190,11 @@ def test_two_edges_of_one_object_become_one_track() -> None:
     def bar(seed: int, y: float) -> Columns:
         return outline(seed, (80.0, y), (0.0, 120.0), (12.0, 1.0), 8_000)
 
-    found = records(events(bar(1, 40.0), bar(2, 62.0)), replace(ON, birth_px=0))
+    found = records(events(bar(1, 40.0), bar(2, 62.0)), replace(DEFAULT, birth_px=0))
     late = found[found["time"] > 900_000]
     assert len(set(late["track_id"].tolist())) == 1
     assert np.median(late["height"]) / PX == pytest.approx(23.0, abs=3.0)
-    apart = records(events(bar(1, 40.0), bar(2, 62.0)), replace(ON, birth_px=0, join_steps=1023, ring_along=8, ring_any=8))
+    apart = records(events(bar(1, 40.0), bar(2, 62.0)), replace(DEFAULT, birth_px=0, join_steps=1023, ring_along=8, ring_any=8))
     assert len(set(apart[apart["time"] > 900_000]["track_id"].tolist())) == 2
 
 
@@ -216,7 +216,7 @@ def test_two_abreast_are_cut_apart() -> None:
     """They appear as one, since they begin together and close by; the gap between them shows."""
     starts = (1, 100.0, -16.0), (2, 119.0, 16.0)
     stream = events(*(outline(seed, (x, 30.0), (way, 150.0), (8.0, 8.0), 12_000) for seed, x, way in starts))
-    both = [records(stream, replace(ON, gap_corrections=n, ring_across=0, ring_any=0)) for n in (16, 0)]
+    both = [records(stream, replace(DEFAULT, gap_corrections=n, ring_across=0, ring_any=0)) for n in (16, 0)]
     late = [found[found["time"] > 900_000] for found in both]
     assert max(late[0]["width"]) / PX < 25
     assert max(late[1]["width"]) / PX > 35
@@ -228,7 +228,7 @@ def test_of_two_that_merge_the_one_with_more_support_stays_or_the_older() -> Non
         return t[t > begin_us], x[t > begin_us], y_px[t > begin_us]
 
     stream = events(bar(1, 62.0, 3_000, 0), bar(2, 40.0, 16_000, 100_000))
-    apart = replace(ON, birth_px=0, join_steps=150, ring_along=8, ring_any=8)
+    apart = replace(DEFAULT, birth_px=0, join_steps=150, ring_along=8, ring_any=8)
     stays = {}
     for older in (0, 1):
         found = records(stream, replace(apart, keep_older=older))
@@ -247,7 +247,7 @@ def test_noise_and_a_hot_pixel_and_a_lamp_are_not_born() -> None:
     assert born(records(events(hot))) == 0
     assert born(records(events(lamp))) == 0
     assert born(records(events(noise), n_slots=16)) == 0
-    asked_less = replace(ON, birth_travel=8, birth_px=0)
+    asked_less = replace(DEFAULT, birth_travel=8, birth_px=0)
     assert born(records(events(lamp), asked_less)) >= 1, "nothing but its rest keeps the lamp from being born"
 
 

@@ -10,8 +10,8 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from evcot.trackers.auto.bins import find_parts
-from evcot.trackers.auto.layout import BINS, PARTS, World
+from evcot.trackers.adaptive.bins import find_parts
+from evcot.trackers.adaptive.layout import BINS, PARTS, World
 from support.bins import world_with
 
 LEVEL = 2.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The automatic tracker needs no setting for size, speed or noise: objects become tracks, and what does not move does not."""
+"""The adaptive tracker needs no setting for size, speed or noise: objects become tracks, and what does not move does not."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.recordings.files import read_recording
-from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.layout import Rules, World, make_rules, make_world
-from evcot.trackers.auto.life import RECORDS_PER_PACKET, close_packet
-from evcot.trackers.auto.tracker import AutoTracker, track
+from evcot.trackers.adaptive.config import AdaptiveConfig
+from evcot.trackers.adaptive.layout import Rules, World, make_rules, make_world
+from evcot.trackers.adaptive.life import RECORDS_PER_PACKET, close_packet
+from evcot.trackers.adaptive.tracker import AdaptiveTracker, track
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.timeline import sample
 from shared import SHARED
@@ -51,7 +51,7 @@ def together(*parts: tuple[NDArray[np.float64], ...], width: int = WIDTH, height
 
 
 def run(recording: Recording) -> TrackLog:
-    return track(recording, AutoConfig())
+    return track(recording, AdaptiveConfig())
 
 
 @pytest.mark.parametrize(("radius_px", "speed_px_s"), [(6, 60), (6, 400), (12, 40), (12, 150), (12, 1000), (40, 80), (40, 600)])
@@ -128,7 +128,7 @@ def test_what_turns_unseen_is_looked_for_as_far_as_it_can_have_come_if_its_speed
 def alive(*boxes: tuple[float, float, float], visible: bool = True) -> tuple[Rules, World]:
     """Rules, and a world with objects around y = 100 that move alike; x, half width and half height of each."""
     n = len(boxes)
-    rules, world = make_rules(AutoConfig(max_objects=n), WIDTH, HEIGHT), make_world(n, WIDTH, HEIGHT)
+    rules, world = make_rules(AdaptiveConfig(max_objects=n), WIDTH, HEIGHT), make_world(n, WIDTH, HEIGHT)
     world.run["noise"], world.run["live"], world.run["birth_end_us"] = 0.1, n, 10_000_000
     world.slots[:] = np.arange(n)
     for name, value in (("alive", True), ("away", -1), ("inside", -1), ("edge", -1), ("name", -1)):
@@ -213,7 +213,7 @@ def test_a_disc_is_found_in_strong_noise() -> None:
 
 def test_the_split_into_runs_does_not_matter() -> None:
     recording = together(ring(60, 130, 200, 20, 12, 1_000_000), noise(0.5, 1_000_000))
-    whole, parted = AutoTracker(AutoConfig(), WIDTH, HEIGHT), AutoTracker(AutoConfig(), WIDTH, HEIGHT)
+    whole, parted = AdaptiveTracker(AdaptiveConfig(), WIDTH, HEIGHT), AdaptiveTracker(AdaptiveConfig(), WIDTH, HEIGHT)
     records, owner = whole.feed(recording.events)
     parts = [parted.feed(recording.events[at : at + 997]) for at in range(0, len(recording.events), 997)]
     np.testing.assert_array_equal(np.concatenate([part[0] for part in parts]), records)
@@ -226,9 +226,9 @@ def test_a_full_buffer_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     parts = [ring(60, 60 + 60 * k, 200, 0, 12, 1_300_000, per_px=6) for k in range(3)]
     hot = np.arange(0, 1_300_000, 100.0), np.full(13_000, 200.0), np.full(13_000, 90.0)
     recording = together(*parts, hot)
-    whole = AutoTracker(AutoConfig(max_objects=8), WIDTH, HEIGHT)
+    whole = AdaptiveTracker(AdaptiveConfig(max_objects=8), WIDTH, HEIGHT)
     monkeypatch.setattr("evcot.trackers.compiled.SPARE_RECORDS", 0)
-    small = AutoTracker(AutoConfig(max_objects=8), WIDTH, HEIGHT)
+    small = AdaptiveTracker(AdaptiveConfig(max_objects=8), WIDTH, HEIGHT)
     for one, other in zip(whole.feed(recording.events), small.feed(recording.events), strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -254,9 +254,9 @@ def test_records_tell_a_life() -> None:
 
 
 def test_refused() -> None:
-    with pytest.raises(ConfigError, match=r"auto\.gate = 9\.0: must be from 0\.01 to 4"):
-        AutoConfig(gate=9.0)
-    tracker = AutoTracker(AutoConfig(), 10, 10)
+    with pytest.raises(ConfigError, match=r"adaptive\.gate = 9\.0: must be from 0\.01 to 4"):
+        AdaptiveConfig(gate=9.0)
+    tracker = AdaptiveTracker(AdaptiveConfig(), 10, 10)
     one = Events(np.array([5]), np.array([3], np.uint16), np.array([3], np.uint16), np.array([1], np.uint8))
     tracker.feed(one)
     with pytest.raises(RecordingError, match="time must not run back"):
@@ -266,7 +266,7 @@ def test_refused() -> None:
 
 
 def test_an_empty_stream_is_an_empty_log() -> None:
-    tracker = AutoTracker(AutoConfig(), WIDTH, HEIGHT)
+    tracker = AdaptiveTracker(AdaptiveConfig(), WIDTH, HEIGHT)
     assert not len(tracker.finish())
     assert tracker.noise_hz is None
 
@@ -283,7 +283,7 @@ def test_the_real_motorway_with_its_hot_pixel() -> None:
 
 def test_a_merge_names_a_track_that_was_born() -> None:
     """Objects that merge into one that is not visible yet are lost: there is no track that they could have merged into."""
-    log = evcot.track(evcot.simulate("insects", seed=2, duration_us=1_500_000).recording, "auto")
+    log = evcot.track(evcot.simulate("insects", seed=2, duration_us=1_500_000).recording, "adaptive")
     merged = log.of_kind(Kind.MERGED)
     assert len(merged) > 0
     assert np.isin(merged["other_id"], log.of_kind(Kind.BORN)["track_id"]).all()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the automatic tracker says about a scene, against how the scene was made."""
+"""What the adaptive tracker says about a scene, against how the scene was made."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import pytest
 
 from evcot.events import Events, Recording
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.auto import estimates
-from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.estimates import Estimates, ObservedTracker, Spread, estimate
-from evcot.trackers.auto.tracker import AutoTracker
+from evcot.trackers.adaptive import estimates
+from evcot.trackers.adaptive.config import AdaptiveConfig
+from evcot.trackers.adaptive.estimates import Estimates, ObservedTracker, Spread, estimate
+from evcot.trackers.adaptive.tracker import AdaptiveTracker
 from evcot.tracks.tracking import log_of
 
 SENSOR = (128, 96)
@@ -77,7 +77,9 @@ def test_the_splitting_into_runs_changes_nothing(events: Events, seen: Estimates
 
 
 def test_who_is_looked_at_tracks_as_before(events: Events) -> None:
-    plain, observed = (log_of("auto", make(AutoConfig(), *SENSOR), [events]) for make in (AutoTracker, ObservedTracker))
+    plain, observed = (
+        log_of("adaptive", make(AdaptiveConfig(), *SENSOR), [events]) for make in (AdaptiveTracker, ObservedTracker)
+    )
     assert len(plain.records)
     assert np.array_equal(plain.records, observed.records)
     assert np.array_equal(plain.owner, observed.owner)

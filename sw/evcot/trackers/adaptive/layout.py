@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import UNSET_US
-from .config import AutoConfig
+from .config import AdaptiveConfig
 
 __all__ = [
     "BINS",
@@ -93,7 +93,7 @@ RUN = np.dtype(
 
 
 class Rules(NamedTuple):
-    """`config.AutoConfig` in the form used by the kernel, and the sensor."""
+    """`config.AdaptiveConfig` in the form used by the kernel, and the sensor."""
 
     width: int
     height: int
@@ -157,7 +157,7 @@ class World(NamedTuple):
     counts: Table  # (65,) cells by number of pixels
 
 
-def make_rules(config: AutoConfig, width: int, height: int) -> Rules:
+def make_rules(config: AdaptiveConfig, width: int, height: int) -> Rules:
     """The rules for a sensor."""
     values: dict[str, Any] = {name: getattr(config, name) for name in Rules._fields[2:]}
     for name, kind in Rules.__annotations__.items():

@@ -9,9 +9,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.layout import BINS, Rules, World, make_rules
-from evcot.trackers.auto.look import _measure_contrast
+from evcot.trackers.adaptive.config import AdaptiveConfig
+from evcot.trackers.adaptive.layout import BINS, Rules, World, make_rules
+from evcot.trackers.adaptive.look import _measure_contrast
 from support.bins import SENSOR, world_with
 
 
@@ -36,7 +36,7 @@ def slow_contrast(world: World, rules: Rules, bins: NDArray[np.float64], bin_px:
 
 
 def test_contrast_is_that_of_a_count_bin_by_bin() -> None:
-    rng, rules = np.random.default_rng(62), make_rules(AutoConfig(), *SENSOR)
+    rng, rules = np.random.default_rng(62), make_rules(AdaptiveConfig(), *SENSOR)
     at_an_edge = 0
     for _ in range(300):
         rows, columns = rng.integers(1, BINS + 1, 2)

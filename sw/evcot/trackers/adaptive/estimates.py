@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Estimates of the automatic tracker about a scene: noise, hot pixels, and the number, size and speed of its objects.
+"""Estimates of the adaptive tracker about a scene: noise, hot pixels, and the number, size and speed of its objects.
 
 See docs/auto.md, "What is estimated".
 """
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from ...events import Events, check_pixels
 from ...recordings.formats.source import Sensor
-from .config import AutoConfig
-from .tracker import AutoTracker
+from .config import AdaptiveConfig
+from .tracker import AdaptiveTracker
 
 __all__ = [
     "SAMPLE_US",
@@ -155,13 +155,13 @@ class Histogram:
 
 
 class ObservedTracker:
-    """The automatic tracker, looked at every `SAMPLE_US` of the stream. See `tracks.tracking.Tracker`.
+    """The adaptive tracker, looked at every `SAMPLE_US` of the stream. See `tracks.tracking.Tracker`.
 
     What it returns is what the tracker returns, and what is estimated does not depend on how events are split into runs.
     """
 
-    def __init__(self, config: AutoConfig, width: int, height: int) -> None:
-        self._tracker = AutoTracker(config, width, height)
+    def __init__(self, config: AdaptiveConfig, width: int, height: int) -> None:
+        self._tracker = AdaptiveTracker(config, width, height)
         self._sensor = width, height
         self._first_us: int | None = None
         self._next_us = self._last_us = 0
@@ -173,7 +173,7 @@ class ObservedTracker:
         self._spreads = {name: Histogram() for name in ("half_px", "long_px", "speed_px_s", "pixels_per_px")}
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
-        """See `AutoTracker.feed`."""
+        """See `AdaptiveTracker.feed`."""
         if not len(events):
             return self._tracker.feed(events)
         if self._first_us is None:
@@ -195,7 +195,7 @@ class ObservedTracker:
         return np.concatenate(records), np.concatenate(owners)
 
     def finish(self) -> NDArray[np.void]:
-        """See `AutoTracker.finish`."""
+        """See `AdaptiveTracker.finish`."""
         return self._tracker.finish()
 
     @property
@@ -235,14 +235,14 @@ class ObservedTracker:
         )
 
 
-def estimate(blocks: Iterable[Events], sensor: Sensor, config: AutoConfig | None = None) -> Estimates:
-    """What is seen in the first part of a recording, `SEEN_US` or `SEEN_EVENTS`, by one pass of the automatic tracker.
+def estimate(blocks: Iterable[Events], sensor: Sensor, config: AdaptiveConfig | None = None) -> Estimates:
+    """What is seen in the first part of a recording, `SEEN_US` or `SEEN_EVENTS`, by one pass of the adaptive tracker.
 
     Args:
         blocks: its events in time order.
     """
     check_pixels(*sensor)
-    observed = ObservedTracker(config or AutoConfig(), *sensor)
+    observed = ObservedTracker(config or AdaptiveConfig(), *sensor)
     end_us: int | None = None
     left = SEEN_EVENTS
     for block in blocks:

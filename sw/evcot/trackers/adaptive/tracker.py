@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The automatic tracker, for streams of events and for recordings. See docs/auto.md for the algorithm."""
+"""The adaptive tracker, for streams of events and for recordings. See docs/auto.md for the algorithm."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from ...filters.restless import restless
 from ...tracks.log import TrackLog
 from ...tracks.tracking import track_recording
 from ..compiled import CompiledTracker
-from .config import AutoConfig
+from .config import AdaptiveConfig
 from .kernel import feed
 from .layout import make_rules, make_world
 from .life import RECORDS_PER_PACKET, close_packet
 
-__all__ = ["SIGHTING", "AutoTracker", "track"]
+__all__ = ["SIGHTING", "AdaptiveTracker", "track"]
 
 SIGHTING = np.dtype([(name, np.float64) for name in ("half_x", "half_y", "speed_px_s", "pixels_per_px")])
 
 
-class AutoTracker(CompiledTracker):
-    """The automatic tracker as a stream; see `CompiledTracker`."""
+class AdaptiveTracker(CompiledTracker):
+    """The adaptive tracker as a stream; see `CompiledTracker`."""
 
-    def __init__(self, config: AutoConfig, width: int, height: int) -> None:
+    def __init__(self, config: AdaptiveConfig, width: int, height: int) -> None:
         self.config = config
         self._rules = make_rules(config, width, height)
         self._world = make_world(config.max_objects, width, height)
@@ -65,8 +65,8 @@ class AutoTracker(CompiledTracker):
         close_packet(self._rules, self._world, t_us, lasted_us, self._buffer)
 
 
-def track(recording: Recording, config: AutoConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Run the automatic tracker over a recording, or over a selection of its events.
+def track(recording: Recording, config: AdaptiveConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
+    """Run the adaptive tracker over a recording, or over a selection of its events.
 
     Args:
         keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
@@ -74,4 +74,4 @@ def track(recording: Recording, config: AutoConfig, keep: NDArray[np.bool_] | No
     In the log `radius` is the mean of the box's half sides on the sensor, `support` the events that the object accumulated,
     and `n_ev` those in the packet.
     """
-    return track_recording("auto", AutoTracker(config, recording.width, recording.height), recording, keep)
+    return track_recording("adaptive", AdaptiveTracker(config, recording.width, recording.height), recording, keep)

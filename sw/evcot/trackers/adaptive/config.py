@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of the automatic tracker: none has a unit of length or time."""
+"""Settings of the adaptive tracker: none has a unit of length or time."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from ...ranges import Range, check_ranges
 
-__all__ = ["AUTO_RANGES", "AutoConfig"]
+__all__ = ["ADAPTIVE_RANGES", "AdaptiveConfig"]
 
 # field -> (lowest, highest, meaning)
-AUTO_RANGES: dict[str, Range] = {
+ADAPTIVE_RANGES: dict[str, Range] = {
     "max_objects": (1, 256, "objects alive at once, visible or not"),
     "memory": (0.01, 10.0, "half sides of travel that a look at an object takes in"),
     "fill": (0.01, 1000.0, "pixels that a look wants to see, for each pixel of an object's sides"),
@@ -36,8 +36,8 @@ AUTO_RANGES: dict[str, Range] = {
 
 
 @dataclass(frozen=True)
-class AutoConfig:
-    """Settings of the automatic tracker; limits in `AUTO_RANGES`.
+class AdaptiveConfig:
+    """Settings of the adaptive tracker; limits in `ADAPTIVE_RANGES`.
 
     Raises:
         ConfigError: a value outside its range.
@@ -66,4 +66,4 @@ class AutoConfig:
     step: float = 0.03
 
     def __post_init__(self) -> None:
-        check_ranges("auto", self, AUTO_RANGES)
+        check_ranges("adaptive", self, ADAPTIVE_RANGES)

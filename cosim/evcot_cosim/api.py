@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot cosim` as a function, which `import evcot_cosim` offers by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from evcot.errors import ConfigError
+from evcot.events import Recording
+from evcot.hardware.modules import DEFAULT_MODULE
+from evcot.trackers.adaptive.estimates import estimate
+from evcot.trackers.auto import auto_config
+from evcot.trackers.config import RunConfig
+from evcot.trackers.presets import AUTO, fit, run_config
+
+from .lockstep.cosim import CosimRun, run_cosim
+from .lockstep.run_file import Source
+from .report.artifacts import save_run
+
+__all__ = ["Run", "cosim"]
+
+
+@dataclass(frozen=True, repr=False)
+class Run(CosimRun):
+    """A run that can be saved; `evcot_cosim.CosimRun`."""
+
+    def save(self, folder: Path | str, *, waves: bool = True) -> dict[str, Any]:
+        """Write what `evcot cosim -o FOLDER` writes, and return the summary; a recording made in memory is written, too.
+
+        Files of an older run in the folder are replaced; other files are kept.
+
+        Args:
+            waves: whether to write a waveform, around the first merge, else around the first birth.
+
+        Raises:
+            OutputError: the folder is another command's, or a file cannot be written.
+        """
+        return save_run(self, Path(folder), waves=waves)
+
+
+def cosim(
+    source: Recording | Path | str,
+    /,
+    config: RunConfig | None = None,
+    *,
+    preset: str | None = None,
+    hardware: str | None = None,
+    slots: int | None = None,
+    stall_seed: int | None = None,
+) -> Run:
+    """Run hardware, golden model and software tracker over a recording, as `evcot cosim` does.
+
+    Example:
+        run = evcot_cosim.cosim("drive.aedat4")
+        run.agreement.tracks_paired
+        run.save("build/drive")  # report.html, logs, waveform, run.toml
+
+    Args:
+        source: a recording in memory, a file, which is read into memory, or the name of a scene.
+        config: both trackers' configurations, as `evcot.run_config` returns them; None: as the command, by the next three.
+        preset: None or "auto": settings estimated from the recording; else one of `evcot presets`.
+        hardware: module, one of `evcot.MODULES`; None: the preset's. Without preset, other modules than cot_motion take the one
+            for the sensor.
+        slots: number of tracker slots; None: the estimated or the preset's.
+        stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
+
+    Raises:
+        MismatchError: hardware and model differ.
+        ConfigError, RecordingError, ToolchainError.
+    """
+    origin = None if isinstance(source, Recording) else Source.named(str(source))
+    recording = source if isinstance(source, Recording) else Source.named(str(source)).read()
+    if config is None:
+        config = _config(recording, preset, hardware, slots)
+    elif preset is not None or hardware is not None or slots is not None:
+        raise ConfigError("config: must not be given with preset, hardware or slots")
+    run = run_cosim(recording, config, stall_seed=stall_seed, source=origin)
+    return Run(**{field.name: getattr(run, field.name) for field in fields(run)})
+
+
+def _config(recording: Recording, preset: str | None, hardware: str | None, slots: int | None) -> RunConfig:
+    sensor = recording.width, recording.height
+    if preset not in (None, AUTO) or hardware not in (None, DEFAULT_MODULE):
+        return run_config(*sensor, preset, slots, hardware=hardware)
+    return fit(auto_config(estimate([recording.events], sensor)), *sensor, slots)
