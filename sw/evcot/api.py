@@ -121,6 +121,9 @@ def tracker(
         if not isinstance(settings, type(default)):
             kind, wanted = type(settings).__name__, type(default).__name__
             raise ConfigError(f"settings of type {kind}: must be {wanted} with engine {engine}")
+        if isinstance(settings, RunConfig) and settings.hardware.module != engine:
+            module = settings.hardware.module
+            raise ConfigError(f"settings: are of {module}: must be given with engine {module}")
         default, own = settings, settings.filters if isinstance(settings, RunConfig) else FilterConfig()
     own = own if filters is None else filters
     return ENGINES[engine].start(changed(engine, default, changes), own, sensor)

@@ -25,7 +25,7 @@ from evcot.events import Events
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.engines import DEFAULT, ENGINES
 from evcot.trackers.settings import engine_settings
-from evcot_cosim.live.alive import Alive
+from evcot_cosim.live.visible_clusters import Alive
 
 PACKAGE = Path(__file__).parents[2] / "contrib" / "evcot_ros"
 NEEDED = ("rclpy", "event_camera_msgs", "vision_msgs")

@@ -56,7 +56,7 @@ def seen_by_worker(variable: str) -> dict[str, object]:
     """A worker as its task finds it: whose child it is, whether evcot is imported, deaf to interrupts; a variable's value."""
     blocked = signal.pthread_sigmask(signal.SIG_BLOCK, ())
     return {
-        "parent": os.getppid(), "at_hand": "evcot_cosim.sweep.at_hand" in sys.modules, "deaf": signal.SIGINT in blocked,
+        "parent": os.getppid(), "preloaded": "evcot_cosim.sweep.preload" in sys.modules, "deaf": signal.SIGINT in blocked,
         "variable": os.environ.get(variable),
     }  # fmt: skip
 

@@ -149,3 +149,40 @@ def test_no_setting_has_the_name_of_an_argument_of_track() -> None:
         if name not in ("cot_array", "cot_chain", "cot"):  # of which no single setting can be changed
             for settings in engine.presets.values():
                 assert not arguments & set(changeable(name, settings))
+
+
+@pytest.mark.parametrize("engine", ["cot_motion", "cot_chain", "cot"])
+def test_a_configuration_of_another_module_is_refused(scene: evcot.Scene, engine: str, tmp_path: Path) -> None:
+    settings = evcot.run_config(346, 260, hardware="cot_array")
+    with pytest.raises(evcot.ConfigError, match=r"^settings: are of cot_array: must be given with engine cot_array$"):
+        evcot.track(scene.recording, engine, settings=settings)
+    (tmp_path / "mine.toml").write_text('hardware = "cot_array"\n')
+    with pytest.raises(evcot.ConfigError, match=r"mine.toml: is about cot_array: must be used with engine cot_array$"):
+        evcot.track(scene.recording, engine, config=tmp_path / "mine.toml")
+
+
+def test_registers_of_a_file_stay_those_of_the_engine(scene: evcot.Scene, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text("[cot]\nmax_ticks = 9_000\n")
+    chain = evcot.track(scene.recording, "cot_chain", config=tmp_path / "mine.toml")
+    base = evcot.run_config(346, 260, hardware="cot_chain")
+    slots = tuple(replace(slot, max_ticks=9_000) for slot in base.hardware.slots)
+    assert same(
+        chain, evcot.track(scene.recording, "cot_chain", settings=replace(base, hardware=replace(base.hardware, slots=slots)))
+    )
+    assert not same(chain, evcot.track(scene.recording, "cot_chain"))
+
+
+def test_a_tracker_as_a_stream_is_what_tracks_a_recording(scene: evcot.Scene) -> None:
+    events, whole = scene.recording.events, evcot.track(scene.recording)
+    tracker = evcot.tracker((346, 260))
+    parts = [tracker.feed(events[begin : begin + 3_000]) for begin in range(0, len(events), 3_000)]
+    assert np.array_equal(np.concatenate([records for records, _ in parts] + [tracker.finish()]), whole.records)
+    assert np.array_equal(np.concatenate([owner for _, owner in parts]), whole.owner)
+
+
+def test_a_figure_of_tracks_is_drawn_once(scene: evcot.Scene, tmp_path: Path) -> None:
+    log = evcot.track(scene.recording, "rct", "discs")
+    evcot.plot(scene.recording, {"rct": log}, tmp_path / "tracks.png", ("tracks", "xy"), dpi=80)
+    assert (tmp_path / "tracks.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(evcot.OutputError, match="exists"):
+        evcot.plot(scene.recording, {"rct": log}, tmp_path / "tracks.png")

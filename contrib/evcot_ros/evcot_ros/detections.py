@@ -7,7 +7,7 @@ from typing import Any
 
 from vision_msgs.msg import Detection2D, Detection2DArray, ObjectHypothesisWithPose
 
-from evcot_cosim.live.alive import Clusters
+from evcot_cosim.live.visible_clusters import Clusters
 
 __all__ = ["CLASS_ID", "detections"]
 

@@ -16,11 +16,11 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from .alive import Clusters
 from .frame import Frame, FrameMaker
-from .glance import Glance
 from .player import Player, Run
 from .session import Session
+from .terminal_view import Glance
+from .visible_clusters import Clusters
 
 __all__ = ["rows_of", "show"]
 

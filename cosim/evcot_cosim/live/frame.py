@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.log import DROPPED
 
-from .alive import Clusters
 from .session import Step
+from .visible_clusters import Clusters
 
 __all__ = ["Frame", "FrameMaker"]
 

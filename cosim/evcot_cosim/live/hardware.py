@@ -14,7 +14,7 @@ from evcot.tracks.tracking import Tracker
 
 from ..devices.device import build_device
 from ..devices.tracker import DeviceTracker
-from .lane import Beside
+from .tracker_thread import Beside
 
 __all__ = ["HARDWARE", "hardware_beside", "warm_up"]
 

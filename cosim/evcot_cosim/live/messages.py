@@ -34,9 +34,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .alive import Clusters
 from .frame import Frame
 from .player import Wish
+from .visible_clusters import Clusters
 
 __all__ = ["drawn_number", "pack_frame", "wish_in"]
 

@@ -25,12 +25,12 @@ from numpy.typing import NDArray
 from evcot.errors import ConfigError, OutputError
 
 from . import PORT
+from .bounded_queue import Waiting
 from .frame import FrameMaker
 from .messages import drawn_number, pack_frame, wish_in
 from .page import page
 from .player import Player, Run
 from .session import Session, Step
-from .waiting import Waiting
 
 __all__ = ["Server"]
 

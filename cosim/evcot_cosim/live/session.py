@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from evcot.events import Events
 from evcot.tracks.tracking import Tracker
 
-from .alive import Clusters
-from .lane import Beside, Lane, quantiles
+from .bounded_queue import Arrival, Waiting
 from .latency import Latency
 from .recorder import LogKeeper, Recorder
 from .sources import LiveSource
-from .waiting import Arrival, Waiting
+from .tracker_thread import Beside, Lane, quantiles
+from .visible_clusters import Clusters
 
 __all__ = ["WAIT_S", "Session", "Step"]
 

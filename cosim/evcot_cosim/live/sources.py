@@ -18,7 +18,7 @@ from evcot.recordings.files import RecordingFile, sound
 from evcot.recordings.formats.aedat4_stream import Aedat4Stream
 from evcot.recordings.formats.source import Sensor
 
-from .waiting import Arrival
+from .bounded_queue import Arrival
 
 __all__ = ["FileSource", "LiveSource", "NetworkSource", "StreamSource"]
 

@@ -16,8 +16,8 @@ from evcot.tracks.timeline import OPEN, alive, lifetimes
 from .material import Material, Side
 from .pack import Column
 from .paths import Paths, log_paths, truth_paths
-from .quiet import quiet_peaks
-from .thin import thinned_events
+from .subsample import thinned_events
+from .tc_curve import quiet_peaks
 
 __all__ = ["Collected", "collect", "looks_of"]
 

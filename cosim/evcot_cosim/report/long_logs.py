@@ -12,7 +12,7 @@ from typing import Any
 
 import evcot
 from evcot.outputs import folder_written_aside
-from evcot.tracks.belongs import Extent
+from evcot.tracks.log_match import Extent
 from evcot.tracks.log_parts import in_step
 from evcot.tracks.npz import NpzFile
 from evcot.tracks.parquet import LogFile

@@ -23,10 +23,10 @@ from evcot.tracks.log import DROPPED, Kind
 from ..lockstep.verdict import Grade, Verdict, verdict_from, verdict_of
 from .collect import Collected, collect
 from .facts import Differences, agreement_rows, differences, flat, latency_bars, run_rows, score_rows
-from .heat import heat_maps
+from .heat_maps import heat_maps
 from .material import Material
 from .pack import Packed, pack
-from .thin import EVENTS_MAX, LIVES_MAX, RECORDS_MAX
+from .subsample import EVENTS_MAX, LIVES_MAX, RECORDS_MAX
 
 __all__ = ["MODULES", "inline_modules", "render", "write_report"]
 

@@ -13,7 +13,7 @@ from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.timeline import LIFE, OPEN, by_life, lifetimes
 
 from .pack import Column
-from .thin import LIVES_MAX, RECORDS_MAX, longest_lives, thinned_events, thinned_records
+from .subsample import LIVES_MAX, RECORDS_MAX, longest_lives, thinned_events, thinned_records
 
 __all__ = ["POINT", "Paths", "log_paths", "truth_paths"]
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from .asking import Asker
 from .axes import Point
 from .cluster import Cluster
 from .execute import DONE, FAILED, execute, row_of
 from .folder import begin, counted
+from .optuna_points import Asker
 from .plan import Invalid, Plan, Planner, points_of
 from .pool import Done, LocalPool
 from .results import merit

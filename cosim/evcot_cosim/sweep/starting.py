@@ -18,7 +18,7 @@ from typing import Any
 __all__ = ["begin_starting", "started"]
 
 _METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-_IMPORTED = ["evcot_cosim.sweep.at_hand"]
+_IMPORTED = ["evcot_cosim.sweep.preload"]
 
 
 def begin_starting() -> None:

@@ -129,7 +129,7 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
 
 
 def module_in(path: Path) -> Module | None:
-    """The module that a TOML file for `load_toml` is about: the one that it names, or one that has its registers; else None.
+    """The module that a TOML file for `load_toml` names, or the usual one with the registers that it has; else None.
 
     Raises:
         ConfigError: the file cannot be read, is not TOML, or names no module.
@@ -204,6 +204,8 @@ def run_config_from(data: Mapping[str, Any], base: RunConfig, folder: Path) -> R
 def _hardware(data: Mapping[str, Any], base: CotConfig | MotionConfig) -> CotConfig | MotionConfig:
     """The hardware's configuration: that of the base, or the default one of another contract, with what the tables change."""
     module = _module_of(data) or base.module
+    if "hardware" not in data and module == "cot_array" and isinstance(base, CotConfig):
+        module = base.module  # of which these may be the registers as well
     if (module == "cot_motion") != isinstance(base, MotionConfig):
         base = MotionConfig() if module == "cot_motion" else CotConfig()
     shape_table = _section(_table(data, "shape", "top level"), _names(Shape), "[shape]")

@@ -13,7 +13,7 @@ from ..filters.config import FilterConfig
 from ..hardware.config import MotionConfig
 from ..hardware.modules import DEFAULT_MODULE, MODULES
 from ..recordings.formats.source import Sensor
-from .config import RunConfig, load_toml, load_tracker, module_in
+from .config import RunConfig, load_toml, load_tracker
 from .engines import ENGINES
 from .presets import for_sensor
 
@@ -45,10 +45,10 @@ def engine_settings(
     settings = presets[name]
     if isinstance(settings, RunConfig):
         if config is not None:
-            stated = module_in(config)
-            if stated is not None and (stated == "cot_motion") != (engine == "cot_motion"):
-                raise ConfigError(f"{config}: has registers of {stated}: must be used with {mark}engine {stated}")
             settings = load_toml(config, settings)
+            module = settings.hardware.module
+            if module != engine:
+                raise ConfigError(f"{config}: is about {module}: must be used with {mark}engine {module}")
         return settings, settings.filters
     filters = ENGINES[engine].filters.get(name, FilterConfig())
     return load_tracker(config, engine, settings, filters) if config else (settings, filters)

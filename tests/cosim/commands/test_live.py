@@ -146,6 +146,7 @@ def test_an_open_page_may_see_a_file_again_after_its_end(source: Path) -> None:
             connection.send(json.dumps(wish))
             hello = next_text("hello")
             assert (hello["engine"], hello["lanes"]) == ("cot_motion", ["cot_motion", "hardware"])
+            assert hello["kinds"] == ["model", "hardware"]
             while (told := next_text("figures"))["running"]:
                 pass
             assert told["recording_s"] == pytest.approx(0.2, abs=0.03)

@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from evcot.events import Events
 from evcot.tracks.log import TRACK, Kind
 from evcot.tracks.tracking import TrackerOutput
+from evcot_cosim.live.bounded_queue import Arrival
 from evcot_cosim.live.player import Player, Run, Wish
 from evcot_cosim.live.session import Session
-from evcot_cosim.live.waiting import Arrival
 
 SENSOR = (64, 48)
 HELLO = {
     "name": "a drive", "engine": "rct", "preset": "plain", "width": SENSOR[0], "height": SENSOR[1], "speed": 1.0,
-    "engines": {"rct": ["plain", "discs"], "adaptive": ["auto"]}, "lanes": ["rct"], "seekable": False,
+    "engines": {"rct": ["plain", "discs"], "adaptive": ["auto"], "cot_motion": ["auto"]},
+    "lanes": ["rct"], "kinds": ["software"], "seekable": False,
 }  # fmt: skip
 
 

@@ -12,11 +12,11 @@ import pytest
 
 from evcot.events import Events
 from evcot.tracks.log import DROPPED, Kind
-from evcot_cosim.live.alive import Alive, Clusters
 from evcot_cosim.live.frame import FrameMaker
 from evcot_cosim.live.messages import drawn_number, pack_frame, wish_in
 from evcot_cosim.live.player import Wish
 from evcot_cosim.live.session import Step
+from evcot_cosim.live.visible_clusters import Alive, Clusters
 
 from .stories import SENSOR, events, random_events, record
 

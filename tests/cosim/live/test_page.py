@@ -15,10 +15,10 @@ from PIL import Image, ImageColor
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.tracks.tracking import TrackerOutput
-from evcot_cosim.live.lane import Beside
 from evcot_cosim.live.player import Begin, Player, Run, Wish
 from evcot_cosim.live.server import Server
 from evcot_cosim.live.session import Session
+from evcot_cosim.live.tracker_thread import Beside
 
 from .stories import HELLO, SENSOR, EveryTenth, Played, events, playing, wait_until
 
@@ -183,6 +183,7 @@ class Studio:
         beside = [Beside("hardware", "RTL in simulation", Elsewhere())] if wish.hardware else []
         hello = {**HELLO, "engine": wish.engine, "preset": wish.preset, "seekable": True}
         hello["lanes"] = [wish.engine, *(each.name for each in beside)]
+        hello["kinds"] = ["model" if wish.engine == "cot_motion" else "software", *(each.name for each in beside)]
         return lambda: Run(Session(source, EveryTenth(), beside=beside), hello)
 
 
@@ -243,6 +244,15 @@ def test_hardware_is_shown_beside_software(chosen: Page, studio: Studio) -> None
     wait_until(lambda: chosen.page.locator("#rows tr").count() == 2, 20)
     assert chosen.shows(43.5, 10, "#56b4e9"), "its right edge, 3 pixels and a half from the centre at 40"
     assert chosen.shows(16.5, 10, "#ff9b47"), "the software's left edge"
+
+
+def test_a_golden_model_has_a_colour_of_its_own(chosen: Page) -> None:
+    """A lighter shade of the hardware's, dashed, as in the report; orange is software."""
+    border = "(one) => [getComputedStyle(one).borderTopColor, getComputedStyle(one).borderTopStyle]"
+    assert chosen.page.locator("#lanes i").first.evaluate(border) == ["rgb(255, 155, 71)", "solid"]
+    chosen.page.select_option("select[name=engine]", "cot_motion")
+    wait_until(lambda: chosen.text("#what").startswith("cot_motion"), 20)
+    assert chosen.page.locator("#lanes i").first.evaluate(border) == ["rgb(165, 215, 245)", "dashed"]
 
 
 def test_a_window_of_900_pixels_shows_all_of_it_with_hardware(chosen: Page) -> None:

@@ -18,7 +18,7 @@ from evcot.errors import ConfigError, OutputError
 from evcot.events import Events, Recording
 from evcot.tracks.log import DROPPED, TrackLog
 from evcot_cosim.report import Material, Side, page, write_report
-from evcot_cosim.report.heat import heat_maps
+from evcot_cosim.report.heat_maps import heat_maps
 from evcot_cosim.report.material import Material as Made
 
 from .conftest import summary_of

@@ -38,7 +38,7 @@ def test_workers_are_forked_where_evcot_is_imported_and_have_the_environment_of_
             for done in pool.run(["EVCOT_OF_A_TEST"] * 4):
                 assert done.result is not None
                 parents.add(done.result.pop("parent"))
-                assert done.result == {"at_hand": True, "deaf": True, "variable": value}
+                assert done.result == {"preloaded": True, "deaf": True, "variable": value}
     assert len(parents) == 1
     assert parents != {os.getpid()}
 

@@ -16,13 +16,13 @@ from evcot.errors import ConfigError
 from evcot.ranges import read_pair
 from evcot.recordings.files import open_recording
 from evcot.scenes.registry import adjusted
-from evcot.tracks.belongs import Extent
+from evcot.tracks.log_match import Extent
 from evcot.tracks.reading import RecordRuns, in_the_name_of, open_log
 
 from ...tables import counted, print_table
 from ..options import sensor_from
-from .belonging import check_logs
-from .counting import Counting
+from .log_checks import check_logs
+from .spinner import Counting
 
 __all__ = ["run"]
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from evcot.recordings.files import format_for, write_events
 
 from ..options import window_from
-from .counting import Counting
 from .opening import open_from
+from .spinner import Counting
 
 __all__ = ["run"]
 

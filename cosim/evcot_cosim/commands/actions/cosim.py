@@ -23,7 +23,7 @@ from ...lockstep.summary import table, verdict_lines
 from ...lockstep.verdict import verdict_from
 from ...report.artifacts import run_names, write_mismatch, write_run
 from ...report.long_run import write_long_run
-from ...report.thin import EVENTS_MAX
+from ...report.subsample import EVENTS_MAX
 from ...sweep.machine import design_fingerprint
 from ...tables import print_table
 from ..exit_codes import MISMATCH
@@ -32,7 +32,7 @@ from .filters import save_learned
 from .job import Job, job_from
 from .length import counted_ahead
 from .progress import Progress
-from .work import say_resumed, work_key
+from .resume import say_resumed, work_key
 
 __all__ = ["run"]
 

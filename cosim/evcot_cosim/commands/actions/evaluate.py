@@ -18,9 +18,9 @@ from evcot.tracks.suffixes import PARQUET
 from ...tables import print_table
 from ..options import sensor_from
 from ..tracked import RUN_LOGS
-from .belonging import log_of_run
 from .clock import clock_from
-from .counting import Counting
+from .log_checks import log_of_run
+from .spinner import Counting
 
 __all__ = ["run"]
 

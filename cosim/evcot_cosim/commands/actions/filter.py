@@ -17,9 +17,9 @@ from evcot.recordings.files import format_for, write_events
 from evcot.trackers.config import RunConfig, load_toml
 
 from ..options import window_from
-from .counting import Counting
 from .filters import filters_from, save_learned
 from .opening import open_from
+from .spinner import Counting
 
 __all__ = ["run"]
 

@@ -28,12 +28,12 @@ from ...live.server import Server
 from ...live.sources import FileSource, LiveSource, NetworkSource
 from ...tables import print_table
 from ..options import sensor_from, window_from
-from .counting import Counting
 from .filters import save_learned
 from .length import Length
 from .live_runs import Runs
 from .opening import open_from
 from .settings import say_seen
+from .spinner import Counting
 
 __all__ = ["run"]
 

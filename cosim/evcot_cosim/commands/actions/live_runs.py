@@ -11,6 +11,7 @@ from typing import Any
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.hardware.config import CotConfig, MotionConfig
+from evcot.hardware.modules import MODULES
 from evcot.trackers.adaptive.estimates import estimate
 from evcot.trackers.auto import auto_config
 from evcot.trackers.engines import ENGINES
@@ -19,11 +20,11 @@ from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
 
 from ...live.hardware import HARDWARE, hardware_beside, warm_up
-from ...live.lane import Beside
 from ...live.player import Begin, Run, Wish
 from ...live.recorder import LogKeeper, Recorder
 from ...live.session import Session
 from ...live.sources import FileSource, LiveSource
+from ...live.tracker_thread import Beside
 from .filters import filters_from, with_options
 from .settings import configured
 
@@ -109,5 +110,6 @@ class Runs:
             "speed": self._options.speed if is_file else 1.0,
             "engines": {name: list(engine.presets) for name, engine in ENGINES.items()},
             "lanes": [wish.engine, *([HARDWARE] if wish.hardware else [])],
+            "kinds": ["model" if wish.engine in MODULES else "software", *([HARDWARE] if wish.hardware else [])],
             "seekable": is_file,
         }  # fmt: skip

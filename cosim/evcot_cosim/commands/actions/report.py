@@ -17,8 +17,8 @@ from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.hardware.modules import MODULES
 from evcot.outputs import is_own_file, remade
-from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
+from evcot.tracks.log_match import Extent
 from evcot.tracks.reading import open_log
 
 from ...lockstep.run_file import RUN_FILE, Source, read_run_file
@@ -26,9 +26,9 @@ from ...lockstep.summary import SUMMARY, read_summary
 from ...report import REPORT, Material, Run, Side, Truth, comparison_of, truth_of, write_report
 from ...report.long_logs import write_long_logs
 from ...report.overview import write_overview
-from ...report.thin import EVENTS_MAX
+from ...report.subsample import EVENTS_MAX
 from ..options import sensor_from, window_from
-from .belonging import check_logs, run_extent
+from .log_checks import check_logs, run_extent
 from .opening import open_from
 from .progress import Progress
 

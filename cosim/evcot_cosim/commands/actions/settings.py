@@ -15,7 +15,7 @@ from evcot.hardware.modules import MODULES
 from evcot.ranges import read_pair, read_value
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.seen import seen_by
+from evcot.trackers.scene_line import seen_by
 from evcot.trackers.settings import changeable, changed, engine_settings
 from evcot.tracks.tracking import Tracker
 

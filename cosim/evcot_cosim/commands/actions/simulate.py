@@ -18,7 +18,7 @@ from evcot.recordings.files import write_events
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
 
 from ..options import sensor_from
-from .counting import Counting
+from .spinner import Counting
 
 __all__ = ["run"]
 

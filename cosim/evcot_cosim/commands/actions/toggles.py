@@ -25,9 +25,9 @@ from ...waves.toggles import count_toggles
 from ...waves.window import CLOCK, Window
 from ..options import window_from
 from ..toggles import TOGGLES_MS
-from .counting import Counting
 from .filters import save_learned
 from .job import Job, job_from
+from .spinner import Counting
 
 __all__ = ["run"]
 

@@ -30,8 +30,8 @@ from .filters import filters_from, save_learned
 from .length import counted_ahead
 from .opening import open_from
 from .progress import Progress
+from .resume import say_resumed, work_key
 from .settings import configured, plain, say_seen
-from .work import say_resumed, work_key
 
 __all__ = ["run"]
 

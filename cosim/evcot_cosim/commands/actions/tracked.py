@@ -13,14 +13,14 @@ from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.plots import Log
 from evcot.recordings.formats.source import Sensor
-from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
+from evcot.tracks.log_match import Extent
 
 from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
 from ..options import window_from
 from ..tracked import RUN_DEFAULT, RUN_LOGS
-from .belonging import check_logs, log_of_run, run_extent
+from .log_checks import check_logs, log_of_run, run_extent
 from .opening import open_from
 
 __all__ = ["Tracked", "tracked_from"]

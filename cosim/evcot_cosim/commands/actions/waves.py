@@ -20,9 +20,9 @@ from ...waves.window import Window, wave_names, write_waves
 from ..exit_codes import BROKEN
 from ..options import window_from
 from ..waves import REACH, WAVES_MS
-from .counting import Counting
 from .filters import save_learned
 from .job import Job, job_from
+from .spinner import Counting
 
 __all__ = ["check", "run"]
 

@@ -30,10 +30,10 @@ function showPresets(chosen) {
 }
 
 /** The trackers by the colours of their boxes. */
-function showLanes(lanes) {
-  const items = lanes.flatMap((name) => {
+function showLanes(lanes, kinds) {
+  const items = lanes.flatMap((name, lane) => {
     const sign = document.createElement("i");
-    sign.dataset.lane = name === "hardware" ? "hardware" : "software";
+    sign.dataset.lane = kinds[lane];
     return [sign, ` ${name} `];
   });
   document.getElementById("lanes").replaceChildren(...items);

@@ -9,7 +9,7 @@ const ENDED = "ended; a new run at this address is shown by itself";
 const controls = document.getElementById("controls");
 const canvas = document.getElementById("stage");
 const pauseButton = document.getElementById("pause");
-const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, lanes: [], socket: null, tries: 0, tabled: 0, ended: false };
+const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, kinds: [], socket: null, tries: 0, tabled: 0, ended: false };
 
 function showState(state, text) {
   const place = document.getElementById("state");
@@ -21,7 +21,7 @@ function applyColours() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue(`--${name}`).trim();
   const rgb = (name) => [1, 3, 5].map((at) => parseInt(of(name).slice(at, at + 2), 16));
-  live.colours = { software: of("software"), hardware: of("hardware") };
+  live.colours = { software: of("software"), model: of("model"), hardware: of("hardware") };
   live.stage?.dress({ ground: rgb("ground"), off: rgb("off"), on: rgb("on"), edge: of("edge"), font: of("font") });
 }
 
@@ -30,10 +30,10 @@ function begin(hello) {
   const preset = hello.preset ?? "default preset";
   document.getElementById("what").textContent = `${hello.engine}, ${preset} · ${hello.width}×${hello.height} px`;
   showChoice(hello);
-  showLanes(hello.lanes);
+  showLanes(hello.lanes, hello.kinds);
   document.title = `${hello.name} · evcot live`;
   document.documentElement.style.setProperty("--sensor", `${hello.width} / ${hello.height}`);
-  Object.assign(live, { speed: hello.speed, lanes: hello.lanes, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
+  Object.assign(live, { speed: hello.speed, kinds: hello.kinds, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
   const seen = live.stage?.sensor;
   if (!seen || seen.width !== hello.width || seen.height !== hello.height) {
     live.stage = new Stage(canvas, hello.width, hello.height);
@@ -90,14 +90,13 @@ function addEvents({ t, x, y, p, filtered }) {
 function draw() {
   if (!live.stage) return;
   const show = { box: controls.boxes.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked, velocity: controls.velocity.checked };
-  const layers = live.lanes.map((name, lane) => {
+  const layers = live.kinds.map((kind, lane) => {
     const clusters = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle, vx, vy }) => {
       const trail = live.trails.of(lane, id);
       return { id, x, y, angle, vx, vy, halfWidth: width / 2, halfHeight: height / 2, inner: null, trail, strong: false };
     });
-    const hardware = name === "hardware";
-    const colour = live.colours[hardware ? "hardware" : "software"];
-    return { colour, dash: [], width: 1.8, show, ahead: AHEAD_S, clusters, corner: hardware ? "right" : "left" };
+    const dash = kind === "model" ? [6, 4] : []; // as in the report: solid is hardware
+    return { colour: live.colours[kind], dash, width: 1.8, show, ahead: AHEAD_S, clusters, corner: kind === "hardware" ? "right" : "left" };
   });
   const decay = Number(controls.decay.value) * live.speed;
   live.stage.draw(live.surface, live.now, decay, layers);

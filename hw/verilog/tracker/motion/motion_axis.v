@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One axis of all slots, as far as events change it: both sides and their marks, as docs/motion.md says under "What an event does to its
-// owner"; and where in its owner's window and bins an event lies.
+// One axis of all slots, as far as events change it: both sides and their marks (docs/motion.md, rule E3); and where in its owner's
+// window and bins an event lies.
 //
 // An event passes four stages here: the first reads what stays, the second the sides, the third moves them, the
 // fourth finds the bin and writes the sides back. If one of the two events behind is of the same slot, they are forwarded to it.

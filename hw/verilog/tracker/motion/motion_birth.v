@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a candidate becomes visible: by support, size, time and the way that it has gone. docs/motion.md, "A motion step of a slot",
-// point 5.
+// Whether a candidate becomes visible: by support, size, time and the way that it has gone. docs/motion.md, rule S6.
 //
 // Latency:    6 clocks and birth_travel from start to appears, if the inputs stay.
 // Throughput: a candidate at a time.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bins of all slots, and the search for a gap in them: docs/motion.md, "Gaps".
+// The bins of all slots, and the search for a gap in them: docs/motion.md, rules G1 and G3.
 //
 // An event makes its bin on each axis one more: read, then written four clocks later; what is being written is forwarded. A bin can
 // be cleared in its place.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a division by a number is done with: docs/motion.md, "Correction", point 3. The position of its leading bit, and the inverse by
+// What a division by a number is done with: docs/motion.md, rule C3. The position of its leading bit, and the inverse by
 // the three bits below it.
 //
 // Latency:    1 to 7 clocks from start, with which goes_on rises, to its falling, and 4 more to the results.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// On which axes a box is looked at for a gap, how wide the gap must be, and where the box is cut: docs/motion.md, "Gaps".
+// On which axes a box is looked at for a gap, how wide the gap must be, and where the box is cut: docs/motion.md, rules G2 and G4.
 //
 // Latency:    3 clocks from note to looks, 1 from on_y; 2 from on_y to narrowest; 2 from the gap to cut_px.
 // Throughput: a slot at a time; an axis a clock, and a cut.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which slots' boxes and windows share a pixel with an interval on each axis, and whose is an event: docs/motion.md, "The owner of an
-// event".
+// Which slots' boxes and windows share a pixel with an interval on each axis, and whose is an event: docs/motion.md, rule O1.
 //
 // For an event the intervals are its address; a motion step asks for boxes. The owner is the lowest visible slot whose box holds the
 // event, else the lowest visible one by its window, else the lowest candidate by its window, else the lowest free slot that may begin.

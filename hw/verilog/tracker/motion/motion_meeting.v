@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which boxes and windows of others a slot's box and window touch: docs/motion.md, "A motion step of a slot". All others are asked at once.
+// Which boxes and windows of others a slot's box and window touch: docs/motion.md, rules S5, S8 and R3. All others are asked at once.
 //
 // Latency:    11 clocks from start to done.
 // Throughput: one at a time.

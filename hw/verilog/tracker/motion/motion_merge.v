@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two slots that become one, in order: docs/motion.md, "Merging". The one whose step it is, is being worked on; then the other one may be
+// Two slots that become one, in order: docs/motion.md, rule M4. The one whose step it is, is being worked on; then the other one may be
 // read, and at last the one that stays, whose sides are made to cover both.
 //
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low.

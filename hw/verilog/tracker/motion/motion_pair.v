@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a slot and another one are one object that moves together: docs/motion.md, "Merging". `one` is the slot, `other` the other.
+// Whether a slot and another one are one object that moves together: docs/motion.md, rules M1 and M2. `one` is the slot, `other` the other.
 //
 // One subtractor for velocities and one for boxes, of which the operands come one after the other. Velocities say along which axis the
 // one with more support moves; then boxes are compared, first on the axis across that motion, then along it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times of all slots, in block RAM, and what follows from those of the slot that is worked on: docs/motion.md, "Correction" and "Merging".
+// Times of all slots, in block RAM, and what follows from those of the slot that is worked on: docs/motion.md, rules C4, C7 and M3.
 //
 // Four times of each slot: of its last correction, its deadline, of its seed and of its last record. One is read, or written, at once.
 // Ages are compared with sign: a deadline in the future is one that is negative.

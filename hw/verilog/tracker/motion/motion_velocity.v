@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The correction of the velocities on x and y, one after the other: docs/motion.md, "Correction", point 3.
+// The correction of the velocities on x and y, one after the other: docs/motion.md, rule C3.
 //
 // d·2^-g over the time since the last correction, by the leading bit of that time and the three bits below it, which motion_inverse.v finds.
 // The gain rises with the corrections of the axis that went one way, this one among them. The shift is to the left by up to 7 with the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Box and window of a slot from its sides and its velocity: docs/motion.md, "Windows". Both axes go through one circuit, x first.
+// Box and window of a slot from its sides and its velocity: docs/motion.md, rule W1. Both axes go through one circuit, x first.
 //
 // Latency:    6 clocks from start to done; sides need stay for two, other inputs until then. Speeds, and whether they count, must be
 //             there at start, lengths 4 clocks before. 5 clocks from the lengths to is_long_x and is_long_y.

@@ -24,27 +24,36 @@ __all__ = ["BIRTH_US", "find_births", "list_living"]
 Table = NDArray[Any]
 
 BIRTH_US = 5_000  # the shortest window
-_NOISE_LEVEL = 2  # the window in which the noise is measured
-_BEGINNING_US = 2 * BIRTH_US << _NOISE_LEVEL  # until something can be born
-_NOISE_MIX = 0.2
-_CELL_PIXELS = 2.0  # fewer in a cell are noise
-_SIGMAS = 3.0  # above the noise
-_NEAR = 1.0  # in gates: anything closer to an object is a part of it that its gate will reach
-_TRAIL = 1.0  # half sides behind an object in which pixels still fire
-_CONTOUR = 0.5  # of a group's sides: pixels that an object sends at least
-_DRAWN_OUT = 0.8  # half sides of drift
-_SURE = 3.0  # standard deviations of that
-_PLACE = 0.3  # standard deviation of a new object's sides, half sides
-_EDGE_PX = 8.0
-_GROWTH = 0.3  # growth of a half side, as a part of the speed
-_LOST_SIGHT = 0.15  # half sides without support, from which an object may be found again elsewhere
-_FOLLOWS = 1.0  # half sides of travel, in which the rest of an object follows its centre over the edge
-_FOUND_WITHIN = 3.0  # half sides
-_STEADY = 5.0  # half sides travelled, from which on an object's speed says how far it can have come
-_AT_MOST = 1.5  # its actual speed, as a multiple of the noted one, which leaves out what is uncertain
-_FARTHEST = 12.0  # half sides
-_ALIKE = 3.5  # ratio of sizes
-_FILLED = 0.5  # of a sensor: a group that covers more is no object
+_NOISE_WINDOW = 2  # number of the window in which the noise is measured: 20 ms
+_NOISE_KNOWN_US = 2 * BIRTH_US << _NOISE_WINDOW  # until then there are no births
+
+# Thresholds. A "half" is the longer half side of an object's box, its unit of length. Values without a reason of their own were
+# tuned on the seed sets 1, 2 and 21 (docs/defaults.md).
+
+# Groups of cells.
+_NOISE_MIX = 0.2  # weight of one window in the measured noise
+_MIN_CELL_PIXELS = 2.0  # pixels: fewer in a cell are noise
+_NOISE_SIGMAS = 3.0  # standard deviations above the noise
+_MIN_CONTOUR_SHARE = 0.5  # share of a group's width and height that its pixels must number
+_MAX_SENSOR_SHARE = 0.5  # share of the sensor: a group that covers more is no object
+_NEAR_GATES = 1.0  # gates: anything closer to an object is a part of it that its gate will reach
+_TRAIL_HALVES = 1.0  # halves behind an object in which pixels still fire
+
+# State of a new object.
+_MIN_DRIFT_HALVES = 0.8  # halves of drift of the pixels, from which on the drift gives the velocity
+_DRIFT_SIGMAS = 3.0  # standard deviations that this drift must exceed
+_PLACE_HALVES = 0.3  # halves: standard deviation of the sides
+_GROWTH_SHARE = 0.3  # standard deviation of the growth of a half side, as a share of the speed
+
+# Return of a track that was lost.
+_EDGE_PX = 8.0  # pixels from the sensor's edge within which an object enters
+_UNSEEN_HALVES = 0.15  # halves without support, from which on an object may be found again elsewhere
+_FOLLOWS_HALVES = 1.0  # halves of travel, in which the rest of an object follows its centre over the edge
+_FOUND_HALVES = 3.0  # halves between the places of loss and return
+_SPEED_KNOWN_HALVES = 5.0  # halves travelled, from which on the speed extends that distance
+_SPEED_RATIO = 1.5  # actual by noted speed, at most: the noted one leaves out what is uncertain
+_FARTHEST_HALVES = 12.0  # halves by which the distance is extended, at most
+_SIZE_RATIO = 3.5  # larger by smaller size
 
 
 @step
@@ -103,7 +112,7 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
 @step
 def _is_seen(o: Any) -> bool:
     """Whether what is close to an object is its own: it was seen lately, or only its centre has left the sensor."""
-    return bool(o.track_id < 0 or o.missed < (_FOLLOWS if 0 <= o.away < INSIDE else _LOST_SIGHT))
+    return bool(o.track_id < 0 or o.missed < (_FOLLOWS_HALVES if 0 <= o.away < INSIDE else _UNSEEN_HALVES))
 
 
 @step
@@ -116,9 +125,9 @@ def _touches(world: World, box: Table, window_s: float) -> bool:
         for axis in range(2):
             back = -s[axis, 1] * window_s
             if o.track_id >= 0 and o.speed > 0.0:
-                back -= _TRAIL * s[axis, 2] * s[axis, 1] / o.speed
-            high = s[axis, 0] + s[axis, 2] + _NEAR * o.gate + max(back, 0.0)
-            low = s[axis, 0] - s[axis, 2] - _NEAR * o.gate + min(back, 0.0)
+                back -= _TRAIL_HALVES * s[axis, 2] * s[axis, 1] / o.speed
+            high = s[axis, 0] + s[axis, 2] + _NEAR_GATES * o.gate + max(back, 0.0)
+            low = s[axis, 0] - s[axis, 2] - _NEAR_GATES * o.gate + min(back, 0.0)
             near = near and box[2 * axis] <= high and box[2 * axis + 1] >= low
         if near:
             return True
@@ -169,7 +178,7 @@ def _drift(world: World, box: Table, t_us: int, window_us: int) -> float:
         return 0.0
     rest = places - (xs * xs + ys * ys) / n - (along_x * along_x + along_y * along_y) / spread
     drift = np.hypot(along_x, along_y) / spread
-    return float(drift) if drift > _SURE * np.sqrt(max(rest, 0.0) / ((n - 2.0) * spread)) else 0.0
+    return float(drift) if drift > _DRIFT_SIGMAS * np.sqrt(max(rest, 0.0) / ((n - 2.0) * spread)) else 0.0
 
 
 @step
@@ -180,7 +189,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.born_us = t_us
     o.packets = 0
     # What is there when the stream begins has not entered.
-    begins = t_us - world.run[0].first_us <= _BEGINNING_US
+    begins = t_us - world.run[0].first_us <= _NOISE_KNOWN_US
     o.edge = -1 if begins else _edge(rules, box)
     o.travel = o.within = o.path = o.still = o.missed = 0.0
     o.inside = o.away = -1
@@ -196,7 +205,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     if begins and _edge(rules, box) < 0:
         # It was not looked for in shorter windows: it may be so fast that its picture is drawn out.
         drift = _drift(world, box, t_us, window_us)
-        if 1e-6 * window_us * drift >= _DRAWN_OUT * half_px:
+        if 1e-6 * window_us * drift >= _MIN_DRIFT_HALVES * half_px:
             o.speed = max(o.speed, drift)
     o.usual = pixels / (1e-6 * window_us) / o.speed
     o.gate = rules.gate * half_px
@@ -207,9 +216,9 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
         s[2] = max(0.5 * (box[2 * axis + 1] - box[2 * axis]), 1.0)
         s[3] = 0.0
         p[:] = 0.0
-        p[0, 0] = p[2, 2] = (_PLACE * half_px) ** 2
+        p[0, 0] = p[2, 2] = (_PLACE_HALVES * half_px) ** 2
         p[1, 1] = o.speed**2
-        p[3, 3] = (_GROWTH * o.speed) ** 2
+        p[3, 3] = (_GROWTH_SHARE * o.speed) ** 2
 
 
 @step
@@ -229,12 +238,12 @@ def _find_again(rules: Rules, world: World, box: Table) -> int:
         half = max(s[0, 2], s[1, 2])
         ratio = (width + height) / (2.0 * (s[0, 2] + s[1, 2]))
         away = max(abs(0.5 * (box[0] + box[1]) - s[0, 0]), abs(0.5 * (box[2] + box[3]) - s[1, 0]))
-        within = half * (_FOUND_WITHIN if o.away >= 0 else _FOUND_WITHIN + o.missed)
-        if o.travel >= _STEADY:
-            within += min(1e-6 * o.lost_us * _AT_MOST * o.speed, _FARTHEST * half)
+        within = half * (_FOUND_HALVES if o.away >= 0 else _FOUND_HALVES + o.missed)
+        if o.travel >= _SPEED_KNOWN_HALVES:
+            within += min(1e-6 * o.lost_us * _SPEED_RATIO * o.speed, _FARTHEST_HALVES * half)
         away /= within
         enters = 0 <= o.away < INSIDE  # as far as its edge cuts it off, it may be small
-        if (enters or ratio > 1.0 / _ALIKE) and ratio < _ALIKE and away < least:
+        if (enters or ratio > 1.0 / _SIZE_RATIO) and ratio < _SIZE_RATIO and away < least:
             best, least = i, away
     return best
 
@@ -255,9 +264,9 @@ def _resume(world: World, i: int, box: Table) -> None:
         s[axis, 2] = max(0.5 * (box[2 * axis + 1] - box[2 * axis]), 1.0)
         s[axis, 1] = s[axis, 3] = 0.0
         p[axis] = 0.0
-        p[axis, 0, 0] = p[axis, 2, 2] = (_PLACE * half) ** 2
+        p[axis, 0, 0] = p[axis, 2, 2] = (_PLACE_HALVES * half) ** 2
         p[axis, 1, 1] = o.speed**2
-        p[axis, 3, 3] = (_GROWTH * o.speed) ** 2
+        p[axis, 3, 3] = (_GROWTH_SHARE * o.speed) ** 2
 
 
 @step
@@ -312,11 +321,11 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
         if run.birth_tick % (1 << level):
             break
         window_us = BIRTH_US << level
-        if level == _NOISE_LEVEL:
+        if level == _NOISE_WINDOW:
             _measure_noise(world, level, window_us)
         known = run.noise >= 0.0
         mean = 64.0 * (1.0 - np.exp(-1e-6 * window_us * max(run.noise, 0.0)))
-        least = max(_CELL_PIXELS, mean + _SIGMAS * np.sqrt(mean) + (1.0 if mean > 0.2 else 0.0))
+        least = max(_MIN_CELL_PIXELS, mean + _NOISE_SIGMAS * np.sqrt(mean) + (1.0 if mean > 0.2 else 0.0))
         if level + 1 < LEVELS:
             for row in range(rows):
                 for column in range(columns):
@@ -326,7 +335,7 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
                 if count(world.pixels[level, row, column]) < least:
                     continue
                 found, cells = _gather(world, level, row, column, box, least)
-                if found < rules.birth_pixels + cells * least or cells >= _FILLED * rows * columns:
+                if found < rules.birth_pixels + cells * least or cells >= _MAX_SENSOR_SHARE * rows * columns:
                     continue
                 born = 0
                 parts = world.parts
@@ -336,8 +345,10 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
                         box[edge] = parts[k, edge >> 1, edge & 1]
                     width, height = box[1] - box[0] + 1.0, box[3] - box[2] + 1.0
                     noise = width * height * mean / 64.0
-                    mass = parts[k, 2, 0] - noise - _SIGMAS * np.sqrt(noise)
-                    if mass < max(rules.birth_pixels, _CONTOUR * (width + height)) or _touches(world, box, 1e-6 * window_us):
+                    mass = parts[k, 2, 0] - noise - _NOISE_SIGMAS * np.sqrt(noise)
+                    if mass < max(rules.birth_pixels, _MIN_CONTOUR_SHARE * (width + height)) or _touches(
+                        world, box, 1e-6 * window_us
+                    ):
                         continue
                     i = _find_again(rules, world, box)
                     if i >= 0:

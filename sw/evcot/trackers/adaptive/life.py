@@ -24,31 +24,44 @@ Table = NDArray[Any]
 RECORDS_PER_PACKET = 3  # an object is born or moves, and ends
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 PACKET_MIN_US, PACKET_MAX_US = 1_000, 5_000
-_PACKETS = (1 << 31) - 1  # mask of a packet's number
-_MIN_HALF_PX = 1.0
-_COVERED_PATIENCE = 4.0  # factor of the coasting of an object hidden behind another
-_TENTATIVE_PATIENCE = 0.5
-_LEAVING_PATIENCE = 0.25  # of one at the edge on its way out
-_ESTABLISHED = 1.0  # half sides travelled, from which on an object may return
-_ALONE = 3.0  # half sides between an object and others
-_AWAY = 16.0  # half sides that it would travel until then
-_SPEED_KEEPS = 6.0  # half sides of travel for which an object's greatest speed counts
-_SLOWEST = 0.5  # half sides per second: the least unit of velocity
-_SETTLED = 3  # packets after which an object's first box is noted
-_SIGNIFICANT = 2.0  # standard deviations of a place
-_DETOUR = 4.0  # times the distance wanted, after which a new start is tried
-_SLOW = 1.0  # half sides per second
-_FARTHER = 4.0
-_STRAIGHT = 0.5  # distance moved, as a part of the way
-_STILL = 3.0  # half sides that it would travel, after which an object without motion is lost
-_GROWTH_KEEPS = 2.0  # half sides of travel
-_FAR_MORE = 4.0  # times the pixels
-_LEAST_CONTRAST = 2.0
-_UNSEEN = 0.15  # half sides without support, from which it is taken to stop
-_STOPS = 0.5  # half sides that it would travel
-_REPORTED = 0.3  # half sides without support, for which it is still reported
-_LEAST_GATE_PX = 2.0
-_SILENT = 2.0  # half sides per second, at least, that count as travelled without support
+_PACKET_MASK = (1 << 31) - 1  # of a packet's number
+
+# Thresholds. A "half" is the longer half side of an object's box, its unit of length. Values without a reason of their own were
+# tuned on the seed sets 1, 2 and 21 (docs/defaults.md).
+
+# How long an object without support is kept, as a factor of the setting `coast`.
+_COVERED_PATIENCE = 4.0  # hidden behind another object
+_TENTATIVE_PATIENCE = 0.5  # not visible yet
+_LEAVING_PATIENCE = 0.25  # at the sensor's edge, on its way out
+
+# Silence.
+_UNSEEN_HALVES = 0.15  # halves without support, from which on an object is assumed to stop
+_REPORTED_HALVES = 0.3  # halves without support, for which it is still reported
+_STOP_DECAY_HALVES = 0.5  # halves of expected travel in which the velocity of an object that stops falls to 37 %
+_SILENT_HALVES_S = 2.0  # halves per second that count as travelled without support, at least: a slow object ends, too
+_STILL_HALVES = 3.0  # halves of expected travel after which an object without significant motion is lost
+
+# Visibility.
+_SETTLED_PACKETS = 3  # packets after which an object's first box is noted
+_PLACE_SIGMAS = 2.0  # standard deviations of its place that it must move beyond the wanted distance
+_DETOUR_RATIO = 4.0  # path by wanted distance, after which it starts anew: what flickers wanders about
+_SLOW_HALVES_S = 1.0  # halves per second; a slower object may be a place that flickers and drifts, and must go farther
+_SLOW_TRAVEL_RATIO = 4.0  # how much farther, at most
+_MIN_STRAIGHTNESS = 0.5  # distance by path
+
+# Return of a track that was lost.
+_RETURN_AFTER_HALVES = 1.0  # halves travelled, from which on an object may return
+_ALONE_HALVES = 3.0  # halves between an object and others: what is found here later can be this one alone
+_AWAY_HALVES = 16.0  # halves of expected travel until its return, at most
+
+# State.
+_MIN_HALF_PX = 1.0  # pixels: smaller objects have no measurable side
+_MIN_GATE_PX = 2.0  # pixels around a box whose events belong to it, at least
+_MIN_SPEED_HALVES_S = 0.5  # halves per second: the least unit of velocity
+_SPEED_DECAY_HALVES = 6.0  # halves of travel in which an object's greatest speed falls to 37 %
+_GROWTH_DECAY_HALVES = 2.0  # the same for its growth, which is measured less well
+_HEAVIER_RATIO = 4.0  # pixels of one object by those of another, from which on the heavier of two that are one survives
+_MIN_CONTRAST = 2.0  # pixels per area in a box by those around it
 
 
 @step
@@ -138,7 +151,7 @@ def _covered(world: World, i: int) -> bool:
     for at in range(world.run[0].live):
         k = world.slots[at]
         other = world.state[k]
-        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < _UNSEEN and world.objects[k].away < 0
+        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < _UNSEEN_HALVES and world.objects[k].away < 0
         if k != i and seen and abs(s[0, 0] - other[0, 0]) <= other[0, 2] and abs(s[1, 0] - other[1, 0]) <= other[1, 2]:
             return True
     return False
@@ -148,7 +161,7 @@ def _covered(world: World, i: int) -> bool:
 def _alone(world: World, i: int) -> bool:
     """Whether no other visible object's box is near: what is found here later can be this one alone."""
     s = world.state[i]
-    far = _ALONE * _half(world, i)
+    far = _ALONE_HALVES * _half(world, i)
     for at in range(world.run[0].live):
         k = world.slots[at]
         o, other = world.objects[k], world.state[k]
@@ -178,7 +191,7 @@ def _is_here(world: World, i: int) -> bool:
 @step
 def _survives(a: Any, b: Any) -> bool:
     """Whether the first of two objects that are one keeps its name: it shows far more, or else is the older one."""
-    if max(a.mass, b.mass) > _FAR_MORE * min(a.mass, b.mass):
+    if max(a.mass, b.mass) > _HEAVIER_RATIO * min(a.mass, b.mass):
         return bool(a.mass > b.mass)
     if (a.track_id >= 0) != (b.track_id >= 0):
         return bool(a.track_id >= 0)
@@ -252,14 +265,14 @@ def _becomes_visible(rules: Rules, world: World, i: int, lasted_s: float) -> boo
     half = _half(world, i)
     v = np.hypot(s[0, 1], s[1, 1])
     # What is slow may be a place that flickers and drifts: it must go farther.
-    wanted = max(rules.visible_travel * half * min(max(_SLOW * half / max(v, 1e-9), 1.0), _FARTHER), 1.0)
-    wanted += _SIGNIFICANT * np.sqrt(p[0, 0, 0] + p[1, 0, 0])
-    if o.packets <= _SETTLED or o.path > _DETOUR * wanted:
+    wanted = max(rules.visible_travel * half * min(max(_SLOW_HALVES_S * half / max(v, 1e-9), 1.0), _SLOW_TRAVEL_RATIO), 1.0)
+    wanted += _PLACE_SIGMAS * np.sqrt(p[0, 0, 0] + p[1, 0, 0])
+    if o.packets <= _SETTLED_PACKETS or o.path > _DETOUR_RATIO * wanted:
         o.first_x, o.first_y, o.path = s[0, 0], s[1, 0], 0.0
         return False
     o.path += np.hypot(s[0, 1], s[1, 1]) * lasted_s
     moved = np.hypot(s[0, 0] - o.first_x, s[1, 0] - o.first_y)
-    return bool(moved >= wanted and moved >= _STRAIGHT * o.path)
+    return bool(moved >= wanted and moved >= _MIN_STRAIGHTNESS * o.path)
 
 
 @step
@@ -267,7 +280,7 @@ def _observe(rules: Rules, world: World, i: int, t_us: int) -> None:
     """Look at an object, and note whether it is there."""
     o, s = world.objects[i], world.state[i]
     mass = look(rules, world, i, _meet(world, i), t_us)
-    if mass > 0.0 and o.contrast >= _LEAST_CONTRAST:
+    if mass > 0.0 and o.contrast >= _MIN_CONTRAST:
         o.missed, o.lost_us = 0.0, 0
     else:
         s[0, 3] = s[1, 3] = 0.0
@@ -287,17 +300,17 @@ def _advance(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     v = _sure(world, i, 1, 1.0) + _sure(world, i, 3, 2.0)
     went = o.speed * lasted_s / half  # in the object's units
     o.still = 0.0 if v > 0.0 else o.still + went
-    o.speed = max(v, o.speed * np.exp(-went / _SPEED_KEEPS), _SLOWEST * half)
+    o.speed = max(v, o.speed * np.exp(-went / _SPEED_DECAY_HALVES), _MIN_SPEED_HALVES_S * half)
     o.travel += v * lasted_s / half
     o.within = o.within + v * lasted_s / half if o.inside >= 0 else 0.0
     o.inside = -1
-    o.missed += max(np.hypot(s[0, 1], s[1, 1]) / half, _SILENT) * lasted_s
+    o.missed += max(np.hypot(s[0, 1], s[1, 1]) / half, _SILENT_HALVES_S) * lasted_s
     o.support += o.packet_events
-    o.gate = max(_LEAST_GATE_PX, 0.5 * rules.gate * (s[0, 2] + s[1, 2]))
+    o.gate = max(_MIN_GATE_PX, 0.5 * rules.gate * (s[0, 2] + s[1, 2]))
     # What sends no events has stopped, or is hidden.
-    keeps = np.exp(-went / _STOPS) if o.missed > _UNSEEN and not _covered(world, i) else 1.0
+    keeps = np.exp(-went / _STOP_DECAY_HALVES) if o.missed > _UNSEEN_HALVES and not _covered(world, i) else 1.0
     for axis in range(2):
-        s[axis, 3] *= np.exp(-went / _GROWTH_KEEPS)
+        s[axis, 3] *= np.exp(-went / _GROWTH_DECAY_HALVES)
         s[axis, 1] *= keeps
 
 
@@ -321,7 +334,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         i = world.slots[at]
         o = world.objects[i]
         if o.away >= 0:
-            o.alive = o.missed <= _AWAY
+            o.alive = o.missed <= _AWAY_HALVES
             continue
         if 1e-6 * o.unseen_us * o.speed >= rules.pause * _half(world, i):
             _observe(rules, world, i, t_us)
@@ -335,12 +348,12 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             patience *= _LEAVING_PATIENCE
         outside = _outside(rules, world, i)
         gone = o.missed > patience + rules.pause or outside
-        returns = o.track_id >= 0 and o.travel >= _ESTABLISHED
+        returns = o.track_id >= 0 and o.travel >= _RETURN_AFTER_HALVES
         if gone and edge >= 0 and returns:
             _go_away(rules, world, out, t_us, i, edge)
-        elif (gone or o.still > _STILL) and returns and not outside and _alone(world, i):
+        elif (gone or o.still > _STILL_HALVES) and returns and not outside and _alone(world, i):
             _go_away(rules, world, out, t_us, i, INSIDE)
-        elif gone or o.still > _STILL:
+        elif gone or o.still > _STILL_HALVES:
             _end(rules, world, out, LOST, t_us, i, -1)
     list_living(world)
     _merge(rules, world, out, t_us)
@@ -352,7 +365,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         i = world.slots[at]
         o = world.objects[i]
         if o.track_id >= 0:
-            if o.away < 0 and (o.missed <= _REPORTED or _covered(world, i)):
+            if o.away < 0 and (o.missed <= _REPORTED_HALVES or _covered(world, i)):
                 _record(rules, world, out, MOVED, t_us, i, -1)
         elif _becomes_visible(rules, world, i, lasted_s):
             kind = MOVED if o.name >= 0 else BORN  # a track is born once
@@ -406,7 +419,7 @@ def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
         close_packet(rules, world, run.packet_end_us, run.packet_us, out)
         if run.live == 0 and t_us >= run.packet_end_us + PACKET_MAX_US:
             run.packet_end_us = t_us
-    run.packet = (run.packet + 1) & _PACKETS
+    run.packet = (run.packet + 1) & _PACKET_MASK
     run.settled = run.index
     run.packet_us = _next_packet_us(rules, world)
     run.packet_end_us += run.packet_us

@@ -25,39 +25,51 @@ __all__ = ["look", "look_at_group"]
 
 Table = NDArray[Any]
 
-_SLOWEST = 0.5  # half sides per second: the least unit of velocity
-_SLOWED = 0.3  # of its greatest speed: what is slower is looked at for no longer
-_SHORTEST_S, _LONGEST_S = 2e-3, 0.4
-_MOST_NOISE = 0.2  # events of noise in a pixel
-_MARGIN, _MARGIN_PX = 0.5, 3.0  # around a box: half sides, and at least
-_BINS = 12.0  # in a half side
-_LINK = 2  # bins: what is closer touches
-_LEAST = 2.0  # pixels in 3 x 3 bins
-_SIGMAS = 3.0
-_LEAST_SUPPORT = 0.15  # of the usual number of pixels
-_LATE = 0.1  # half sides of travel: the later part of a look, or its later half if that is longer
-_LEAST_LATE = 0.25  # share of the pixels in it; with fewer, the object is gone, and these are what it left behind
-_KNOWN = 3.0  # half sides travelled, from which on an object's size is known
-_LEAST_SHARE = 0.03  # of the pixels: a smaller part is noise
-_LEAST_PIXELS = 4.0
-_INSIDE = 0.5  # share of a part's pixels that lie in the box
-_CLOSE = 0.15  # half sides: a part so close to the box is the object's, wherever it lies
-_LIGHTER = 0.3  # of another group's pixels: a lighter one may be a part of it wherever it lies
-_HELD = 0.2  # share of an object's pixels that its box holds at least
-_SHARE = 0.2  # of the pixels: each of the two has as many
-_SLACK = 1.25  # factor of the gap, up to which they may still be one
-_APART = 5  # looks in a row
-_OFF_PX = 1.0
-_JUMP = 4.0  # standard deviations of a side, from which it has jumped
-_BORDER_PX = 1.5
-_USUAL = 0.2  # how much of a look's pixels goes into what is usual
+# Thresholds. A "half" is the longer half side of an object's box, its unit of length. Values without a reason of their own were
+# tuned on the seed sets 1, 2 and 21 (docs/defaults.md).
+
+# How far back a measurement reads.
+_MIN_SPEED_HALVES_S = 0.5  # halves per second: a slower object is timed as if it had this speed, or a window would never end
+_MIN_PACE_SHARE = 0.3  # share of an object's greatest speed, likewise: an object that turns does not stand for long
+_WINDOW_MIN_S, _WINDOW_MAX_S = 2e-3, 0.4  # seconds: below, an edge has sent too few events; above, the velocity is too old
+_MAX_NOISE_PER_PIXEL = 0.2  # events of noise per pixel in the window: beyond, noise hides the object's contour
+_LATE_HALVES = 0.1  # halves of travel: the later part of a window, or its later half if that is longer
+_MIN_LATE_SHARE = 0.25  # share of the pixels in the later part; with fewer, the object has left the place
+
+# Bins.
+_MARGIN_HALVES, _MARGIN_PX = 0.5, 3.0  # around the box, in halves and at least in pixels: a side may have moved
+_BINS_PER_HALF = 12.0  # bins: finer ones hold too few pixels for a level
+_LINK_BINS = 2  # bins: what is closer touches
+_MIN_CELL_PIXELS = 2.0  # pixels in 3 x 3 bins
+_NOISE_SIGMAS = 3.0  # standard deviations of the noise's count, above which 3 x 3 bins are an object's
+
+# Parts of an object.
+_MIN_PART_SHARE = 0.03  # share of all pixels: a smaller part is noise
+_MIN_PART_PIXELS = 4.0  # pixels, likewise
+_INSIDE_SHARE = 0.5  # share of a part's pixels that lie in the box
+_CLOSE_HALVES = 0.15  # halves: a part so close to the box is the object's, wherever it lies
+_LIGHTER_SHARE = 0.3  # share of another group's pixels: a lighter group may be a part of that one, wherever it lies
+_MIN_HELD_SHARE = 0.2  # share of the object's pixels that its box must hold, or the box has lost the object
+_MIN_DIVIDED_SHARE = 0.2  # share of the pixels that each of two objects in one box must have
+_GAP_SLACK = 1.25  # factor of the setting `gap`, up to which two groups may still be one object
+_DIVIDE_AFTER = 5  # measurements in a row that show two objects
+
+# Support, sides and the usual number of pixels.
+_MIN_SUPPORT_SHARE = 0.15  # share of the object's usual number of pixels
+_SIZE_KNOWN_HALVES = 3.0  # halves travelled, from which on few pixels say little about the size
+_JUMP_SIGMAS = 4.0  # standard deviations of a side's offset, from which on another part has appeared and nothing has moved
+_BORDER_PX = 1.5  # pixels from the sensor's edge within which a side may be cut off by the edge
+_CUT_OFF_PX = 1.0  # pixels by which such a side must lie within its expected place to count as cut off
+_USUAL_MIX = 0.2  # weight of one measurement in the usual number of pixels
 
 
 @step
 def _pace(world: World, i: int) -> float:
     """The speed by which an object's looks are timed, px/s."""
     s = world.state[i]
-    return float(max(np.hypot(s[0, 1], s[1, 1]), _SLOWED * world.objects[i].speed, _SLOWEST * max(s[0, 2], s[1, 2])))
+    return float(
+        max(np.hypot(s[0, 1], s[1, 1]), _MIN_PACE_SHARE * world.objects[i].speed, _MIN_SPEED_HALVES_S * max(s[0, 2], s[1, 2]))
+    )
 
 
 @step
@@ -67,9 +79,9 @@ def _window_s(rules: Rules, world: World, i: int) -> float:
     half, speed = max(s[0, 2], s[1, 2]), _pace(world, i)
     unsure = np.sqrt(p[0, 1, 1] + p[1, 1, 1])
     enough_s = rules.fill * 2.0 * (s[0, 2] + s[1, 2]) / max(o.usual * speed, 1e-9)
-    window_s = min(enough_s, rules.memory * half / speed, rules.blur * half / max(unsure, 1e-9), _LONGEST_S)
-    window_s = min(window_s, _MOST_NOISE / max(world.run[0].noise, 1e-9))
-    return float(max(window_s, _SHORTEST_S))
+    window_s = min(enough_s, rules.memory * half / speed, rules.blur * half / max(unsure, 1e-9), _WINDOW_MAX_S)
+    window_s = min(window_s, _MAX_NOISE_PER_PIXEL / max(world.run[0].noise, 1e-9))
+    return float(max(window_s, _WINDOW_MIN_S))
 
 
 @step
@@ -109,7 +121,7 @@ def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin
         first[axis, 0] = max(s[axis, 0] - reach[axis] - wider + min(back, 0.0), 0.0)
         first[axis, 1] = min(s[axis, 0] + reach[axis] + wider + max(back, 0.0), size - 1.0)
     inside, late = 1e-9, 0.0
-    late_s = max(0.5 * window_s, _LATE * max(s[0, 2], s[1, 2]) / _pace(world, i))
+    late_s = max(0.5 * window_s, _LATE_HALVES * max(s[0, 2], s[1, 2]) / _pace(world, i))
     # Read once: what is written to the bins could be the same memory, for all the compiler knows.
     (at_x, vx, half_x), (at_y, vy, half_y) = (s[0, 0], s[0, 1], s[0, 2]), (s[1, 0], s[1, 1], s[1, 2])
     grow_x, grow_y = s[0, 3] / half_x, s[1, 3] / half_y
@@ -160,7 +172,7 @@ def look_at_group(rules: Rules, world: World, box: Table, t_us: int, window_s: f
     smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
     mean = 9.0 * noise
-    level = max(_LEAST, mean + _SIGMAS * np.sqrt(mean))
+    level = max(_MIN_CELL_PIXELS, mean + _NOISE_SIGMAS * np.sqrt(mean))
     reach[0] = reach[1] = 0.0
     half[0] = half[1] = 1e9
     n = find_parts(world, level, rows, half, reach, bin_px, max(2 // bin_px, 1) + 1)
@@ -186,7 +198,7 @@ def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach:
                 total += world.bins[y, x]
                 square += world.bins[y, x] * world.around[y, x]
     mean = 9.0 * noise
-    level = max(_LEAST, mean + _SIGMAS * np.sqrt(mean))
+    level = max(_MIN_CELL_PIXELS, mean + _NOISE_SIGMAS * np.sqrt(mean))
     if total > 0.0:
         level = max(level, rules.dense * square / total)
     return float(level)
@@ -208,9 +220,9 @@ def _join_groups(rules: Rules, world: World, n: int, close: float) -> bool:
         for b in range(a + 1, n):
             if groups[b, 2, 0] == 0.0:
                 continue
-            lighter = min(groups[a, 2, 0], groups[b, 2, 0]) < _LIGHTER * max(groups[a, 2, 0], groups[b, 2, 0])
+            lighter = min(groups[a, 2, 0], groups[b, 2, 0]) < _LIGHTER_SHARE * max(groups[a, 2, 0], groups[b, 2, 0])
             if not (lighter and _between(groups[a], groups[b]) <= close) and not are_parts(
-                groups[a], groups[b], _SLACK * rules.gap, rules.elongation
+                groups[a], groups[b], _GAP_SLACK * rules.gap, rules.elongation
             ):
                 continue
             for axis in range(2):
@@ -253,7 +265,7 @@ def _divide(rules: Rules, world: World, n: int, close: float) -> bool:
     for k in range(n):
         if k != best:
             second = max(second, groups[k, 2, 0])
-    if second < _SHARE * total:
+    if second < _MIN_DIVIDED_SHARE * total:
         return False
     for k in range(n):
         if group_of[k] != best:
@@ -276,24 +288,24 @@ def _choose(rules: Rules, world: World, i: int, n: int, bin_px: int, reach: Tabl
         one[axis, 0], one[axis, 1] = reach[axis], state[axis, 2]
     for k in range(n):
         mass, inside = parts[k, 2, 0], parts[k, 2, 1]
-        belongs = inside >= _INSIDE * mass
+        belongs = inside >= _INSIDE_SHARE * mass
         if not belongs:
             for axis in range(2):
                 other[axis, 0] = 0.5 * (parts[k, axis, 0] + parts[k, axis, 1]) * bin_px
                 other[axis, 1] = 0.5 * (parts[k, axis, 1] - parts[k, axis, 0]) * bin_px
-            belongs = _between(one, other) <= _CLOSE * max(state[0, 2], state[1, 2])
+            belongs = _between(one, other) <= _CLOSE_HALVES * max(state[0, 2], state[1, 2])
             belongs = belongs or are_parts(one, other, rules.gap, rules.elongation)
-        if not belongs or mass < max(_LEAST_SHARE * total, _LEAST_PIXELS):
+        if not belongs or mass < max(_MIN_PART_SHARE * total, _MIN_PART_PIXELS):
             parts[k, 2, 0] = 0.0
         left += parts[k, 2, 0]
-    return left if total >= _HELD * left else 0.0
+    return left if total >= _MIN_HELD_SHARE * left else 0.0
 
 
 @step
 def _observe_side(s: Table, p: Table, sign: float, off_px: float, variance: float) -> None:
     """Correct a side; what jumps has not moved: it is another part of the object."""
     expected = p[0, 0] + 2.0 * sign * p[0, 2] + p[2, 2] + variance
-    if off_px * off_px <= _JUMP * _JUMP * expected:
+    if off_px * off_px <= _JUMP_SIGMAS * _JUMP_SIGMAS * expected:
         correct(s, p, sign, off_px, variance)
         return
     s[0] += 0.5 * off_px
@@ -388,32 +400,32 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
     o, s, p = world.objects[i], world.state[i], world.cov[i]
     window_s = _window_s(rules, world, i)
     half = max(s[0, 2], s[1, 2])
-    bin_px = max(int(np.ceil(half / _BINS)), 1)
+    bin_px = max(int(np.ceil(half / _BINS_PER_HALF)), 1)
     reach = world.group_box
     for axis in range(2):
-        reach[axis] = min(s[axis, 2] + max(_MARGIN * half, _MARGIN_PX), 0.5 * BINS * bin_px - 1e-6)
+        reach[axis] = min(s[axis, 2] + max(_MARGIN_HALVES * half, _MARGIN_PX), 0.5 * BINS * bin_px - 1e-6)
     columns = min(int(2.0 * reach[0] / bin_px) + 1, BINS)
     rows = min(int(2.0 * reach[1] / bin_px) + 1, BINS)
     late = _collect(rules, world, i, t_us, window_s, bin_px, reach, n)
     smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
     level = _level(rules, world, i, noise, bin_px, reach, rows)
-    found = find_parts(world, level, rows, s[:, 2], reach, bin_px, _LINK)
+    found = find_parts(world, level, rows, s[:, 2], reach, bin_px, _LINK_BINS)
     total = _choose(rules, world, i, found, bin_px, reach)
     speed = max(np.hypot(s[0, 1], s[1, 1]), 0.2 * o.speed)
     expected = o.usual * np.hypot(s[0, 1], s[1, 1]) * window_s
     full = rules.full * 2.0 * (s[0, 2] + s[1, 2]) * max(speed * window_s, 1.0)
-    if late < _LEAST_LATE or total < max(0.5 * rules.birth_pixels, full, _LEAST_SUPPORT * expected):
+    if late < _MIN_LATE_SHARE or total < max(0.5 * rules.birth_pixels, full, _MIN_SUPPORT_SHARE * expected):
         return 0.0
-    if found > 1 and _divide(rules, world, found, _CLOSE * half / bin_px):
+    if found > 1 and _divide(rules, world, found, _CLOSE_HALVES * half / bin_px):
         o.apart += 1
-        if o.apart < _APART:
+        if o.apart < _DIVIDE_AFTER:
             return total
     else:
         o.apart = 0
     mass = _measure_sides(rules, world, rows, columns, bin_px, reach)
     _measure_contrast(rules, world, i, rows, columns, bin_px, reach)
-    if o.travel >= _KNOWN:
+    if o.travel >= _SIZE_KNOWN_HALVES:
         # What turns back or stops sends little: few pixels tell less of a size that is known.
         expected = max(expected, rules.fill * 2.0 * (s[0, 2] + s[1, 2]))
     variance = (rules.precision * half + 0.3 * bin_px) ** 2 * min(max(expected / mass, 1.0), 10.0)
@@ -421,8 +433,8 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
         size = rules.width if axis == 0 else rules.height
         low, high = s[axis, 0] + world.bounds[axis, 0], s[axis, 0] + world.bounds[axis, 1]
         off_low, off_high = low - (s[axis, 0] - s[axis, 2]), high - (s[axis, 0] + s[axis, 2])
-        see_low = not _hidden(world, i, n, axis, 0) and not (low < _BORDER_PX and off_low > _OFF_PX)
-        see_high = not _hidden(world, i, n, axis, 1) and not (high > size - 1.0 - _BORDER_PX and off_high < -_OFF_PX)
+        see_low = not _hidden(world, i, n, axis, 0) and not (low < _BORDER_PX and off_low > _CUT_OFF_PX)
+        see_high = not _hidden(world, i, n, axis, 1) and not (high > size - 1.0 - _BORDER_PX and off_high < -_CUT_OFF_PX)
         if see_low:
             before = s[axis, 0], s[axis, 2]
             _observe_side(s[axis], p[axis], -1.0, off_low, variance)
@@ -431,5 +443,5 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
             _observe_side(s[axis], p[axis], 1.0, off_high, variance)
     o.mass = mass
     sent = mass / max(speed * window_s, 1.0)
-    o.usual += _USUAL * (sent - o.usual)
+    o.usual += _USUAL_MIX * (sent - o.usual)
     return mass

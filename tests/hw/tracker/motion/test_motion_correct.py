@@ -50,7 +50,7 @@ def random_job(rng: np.random.Generator) -> Job:
 
 
 def work_of(job: Job) -> list[str]:
-    """What is done, in order: docs/motion.md, "Correction"."""
+    """What is done, in order: docs/motion.md, rules C."""
     clear = [f"clear {number}" for number in range(16)]
     written = ["keep", "keep_window"]
     if job.seeds:

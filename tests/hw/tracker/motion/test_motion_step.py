@@ -76,7 +76,7 @@ class Step:
             self.lapse(slot, alone=True)
 
     def go(self, this: int) -> None:
-        """docs/motion.md, "A motion step of a slot"."""
+        """docs/motion.md, rules S."""
         if self.states[this] == "free":
             return
         known = self.states[this] == "visible" or self.corrections[this] >= 4

@@ -7,7 +7,7 @@ import numpy as np
 
 from evcot.tracks.log import Kind
 from evcot.tracks.timeline import LIFE
-from evcot_cosim.report.thin import longest_lives, thinned_events, thinned_records
+from evcot_cosim.report.subsample import longest_lives, thinned_events, thinned_records
 
 
 def test_few_events_all_stay() -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import threading
 import time
 
-from evcot_cosim.live.waiting import Arrival, Taken, Waiting
+from evcot_cosim.live.bounded_queue import Arrival, Taken, Waiting
 
 from .stories import events
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from evcot_cosim.report.quiet import quiet_peaks
+from evcot_cosim.report.tc_curve import quiet_peaks
 
 
 def log_of(owner: list[int], *rows: tuple[int, int, Kind, int]) -> TrackLog:

@@ -16,8 +16,8 @@ from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.engines import ENGINES
-from evcot.tracks.belongs import Extent, check_belongs
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.log_match import Extent, check_belongs
 from evcot.tracks.tracking import log_of
 
 

@@ -12,7 +12,7 @@ from evcot.filters.config import FilterConfig
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.adaptive.estimates import estimate
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.seen import seen_by
+from evcot.trackers.scene_line import seen_by
 
 SENSOR = 346, 260
 

@@ -11,7 +11,7 @@ from evcot.trackers.rct.presets import PRESETS
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import Kind
 from evcot.tracks.timeline import sample
-from evcot_cosim.live.alive import Alive
+from evcot_cosim.live.visible_clusters import Alive
 
 from .stories import record
 

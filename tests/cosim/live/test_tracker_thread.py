@@ -11,8 +11,8 @@ import pytest
 from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.tracks.tracking import TrackerOutput
-from evcot_cosim.live.lane import Beside
 from evcot_cosim.live.session import Session
+from evcot_cosim.live.tracker_thread import Beside
 
 from .stories import EveryTenth, Played, parts_of, random_events, wait_until
 

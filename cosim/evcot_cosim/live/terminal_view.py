@@ -14,8 +14,8 @@ from rich.style import Style
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.boxes import upright_sides
 
-from .alive import Clusters
 from .frame import Frame
+from .visible_clusters import Clusters
 
 __all__ = ["Glance"]
 

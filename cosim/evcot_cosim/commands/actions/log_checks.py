@@ -9,8 +9,8 @@ from typing import Any
 
 from evcot.errors import TrackLogError
 from evcot.events import Events
-from evcot.tracks.belongs import Extent, check_belongs
 from evcot.tracks.log import TrackLog
+from evcot.tracks.log_match import Extent, check_belongs
 from evcot.tracks.reading import RecordRuns
 from evcot.tracks.suffixes import PARQUET
 

@@ -15,10 +15,10 @@ from evcot.errors import RecordingError
 from evcot.tracks.log import Kind
 from evcot.tracks.tracking import Tracker
 
-from .alive import Alive, Clusters
+from .bounded_queue import Arrival, Waiting
 from .gaps import GapTracker
 from .latency import Latency
-from .waiting import Arrival, Waiting
+from .visible_clusters import Alive, Clusters
 
 __all__ = ["Beside", "Lane", "quantiles"]
 
