@@ -17,12 +17,11 @@ from evcot.tracks.log import TrackLog
 
 from ..lockstep.verdict import Verdict, verdict_from, verdict_of
 from .facts import figure, flat, percent
-from .material import Material, Side
+from .material import PAIR, Comparison, Material, Side
 from .truth import Truth
 
-__all__ = ["PAIR", "Comparison", "Run", "comparison_of"]
+__all__ = ["Run", "comparison_of"]
 
-PAIR = ("a", "b")  # names of the two runs' hardware in the report
 _SETTINGS = ("hardware", "slots", "seed")  # of the summary, beside its config
 
 
@@ -34,25 +33,6 @@ class Run:
     summary: Mapping[str, Any]
     hardware: TrackLog
     software: TrackLog
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """What the section on top of the page shows.
-
-    Attributes:
-        names: of the runs.
-        headlines: of their verdicts, with the word of their grade.
-        settings: rows of (setting, value in A, value in B), only those that differ.
-        figures: rows of (what, value in A, value in B) for the hardware, then the software.
-        same: whether the two runs' hardware decided alike in everything.
-    """
-
-    names: tuple[str, str]
-    headlines: tuple[tuple[str, str], tuple[str, str]]
-    settings: list[tuple[str, str, str]]
-    figures: list[tuple[str, str, str]]
-    same: bool
 
 
 def comparison_of(recording: Recording, a: Run, b: Run, truth: Truth | None) -> Material:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
@@ -14,10 +14,9 @@ from evcot.tracks.log import TrackLog
 
 from .truth import Truth
 
-if TYPE_CHECKING:
-    from .comparison import Comparison
+__all__ = ["PAIR", "Comparison", "Material", "Side"]
 
-__all__ = ["Material", "Side"]
+PAIR = ("a", "b")  # names of the two runs' hardware in a comparison
 
 
 @dataclass(frozen=True)
@@ -31,6 +30,25 @@ class Side:
     def is_hardware(self) -> bool:
         """Whether it runs the hardware's algorithm: of that, N_ev and the inner radius have a meaning."""
         return self.log.engine.startswith("cot")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two runs side by side, for the section at the top of the page.
+
+    Attributes:
+        names: of the runs.
+        headlines: of their verdicts, with the word of their grade.
+        settings: rows of (setting, value in A, value in B), only those that differ.
+        figures: rows of (what, value in A, value in B) for the hardware, then the software.
+        same: whether the two runs' hardware decided alike in everything.
+    """
+
+    names: tuple[str, str]
+    headlines: tuple[tuple[str, str], tuple[str, str]]
+    settings: list[tuple[str, str, str]]
+    figures: list[tuple[str, str, str]]
+    same: bool
 
 
 @dataclass(frozen=True)

@@ -32,12 +32,13 @@ from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
 from ..lockstep.random_runs import random_config, random_motion, random_motion_run, random_run
 from ..rtl.build import BuiltModel
+from ..rtl.fingerprint import versions
 from .checkpoints import CheckpointedLog
 from .configure import configuration
 from .cost import hardware_cost
 from .fields import RTL
 from .inputs import Stream, opened, truth_of
-from .machine import code_fingerprint, versions
+from .machine import code_fingerprint
 from .task import FUZZ, Task, canonical
 
 __all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]

@@ -4,65 +4,41 @@
 from __future__ import annotations
 
 import os
-import platform
 import socket
 from collections.abc import Mapping, Sequence
 from functools import cache
 from hashlib import blake2b
-from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import evcot
 from evcot.errors import ConfigError
 
-from ..rtl.files import rtl_files
+from ..rtl import fingerprint
+from ..rtl.fingerprint import design_fingerprint, versions
 from .places import local
 
-__all__ = ["Machine", "check_same", "code_fingerprint", "content_of", "design_fingerprint", "probe", "versions"]
+__all__ = ["Machine", "check_same", "code_fingerprint", "content_of", "probe"]
 
 Machine = Mapping[str, Any]
 """What `probe` says of a worker: host, versions, code, and contents: path -> digest, empty where it cannot be read."""
 
-_RESULTS_DEPEND_ON = ("numpy", "numba", "scipy")
-_ROOMS = ("devices", "lockstep", "rtl")  # of this package, by which a result could change; and of this room:
-_MODULES = ("checkpoints", "configure", "cost", "execute", "fields", "inputs", "places", "task")
+_MODULES = (
+    "checkpoints",
+    "configure",
+    "cost",
+    "execute",
+    "fields",
+    "inputs",
+    "places",
+    "task",
+)  # by which a result could change
 _BLOCK = 1 << 22
-
-
-def versions() -> dict[str, str]:
-    """Of what a result could depend on."""
-    packages = {name: version(name) for name in _RESULTS_DEPEND_ON}
-    return {"evcot": evcot.__version__, "python": platform.python_version(), **packages}
 
 
 @cache
 def code_fingerprint() -> str:
-    """A digest of evcot's sources and of the versions of what it computes with: 16 hexadecimal digits."""
-    summary = blake2b(repr(sorted(versions().items())).encode(), digest_size=8)
-    room = Path(__file__).parents[1]
-    spec = find_spec("evcot")
-    assert spec is not None
-    assert spec.submodule_search_locations is not None
-    package = Path(spec.submodule_search_locations[0])
-    for folder in (package, *(room / name for name in _ROOMS)):
-        for path in sorted((*folder.rglob("*.py"), *folder.rglob("*.cpp.j2"), *folder.rglob("*.toml"))):
-            summary.update(str(path.relative_to(folder)).encode())
-            summary.update(path.read_bytes())
-    for name in _MODULES:
-        summary.update(Path(__file__).with_name(f"{name}.py").read_bytes())
-    return summary.hexdigest()
-
-
-@cache
-def design_fingerprint() -> str:
-    """A digest of the RTL's sources: 16 hexadecimal digits."""
-    summary = blake2b(digest_size=8)
-    for name, path in sorted(rtl_files().items()):
-        summary.update(name.encode())
-        summary.update(path.read_bytes())
-    return summary.hexdigest()
+    """A digest of all of evcot's sources that a run's result depends on, see `fingerprint.code_fingerprint`."""
+    return fingerprint.code_fingerprint(tuple(Path(__file__).with_name(f"{name}.py") for name in _MODULES))
 
 
 def content_of(path: Path | str) -> str:

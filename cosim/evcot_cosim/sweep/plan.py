@@ -16,12 +16,13 @@ from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 
 from ..lockstep.cosim import check_addresses_of
+from ..rtl.fingerprint import design_fingerprint
 from .axes import Point, grid, latin, uniform
 from .configure import configuration, tables_of
 from .execute import FAILED, INVALID
 from .fields import HARDWARE, PRESET, RTL, concerns, with_fields
 from .inputs import inputs_of, sensor_of
-from .machine import code_fingerprint, design_fingerprint
+from .machine import code_fingerprint
 from .spec import Spec
 from .task import FUZZ, Input, Task, canonical
 

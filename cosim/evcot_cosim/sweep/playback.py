@@ -16,12 +16,12 @@ from evcot.hardware.modules import MODULES
 from evcot.trackers.config import RunConfig
 
 from ..report import Material, Side, Truth, write_report
+from ..rtl.fingerprint import versions
 from .configure import configuration
 from .execute import Tracked, tracked
 from .fields import RTL
 from .folder import PLAYBACK
 from .inputs import opened, truth_of
-from .machine import versions
 from .task import Task
 
 __all__ = ["write_playback"]

@@ -25,6 +25,10 @@ __all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "module_in", "r
 
 Software = Literal["adaptive", "rct"]
 
+# Bits of time stamps per pixel in simulated filters; decisions are those of 20 bits. A simulation has clocks only where there
+# are events, so the walk that renews old stamps (docs/filters.md) takes clocks that a chip has between events.
+_SIMULATED_STAMP_W = 24
+
 
 @dataclass(frozen=True)
 class RunConfig:
@@ -77,6 +81,9 @@ class RunConfig:
                 raise ConfigError("device_config: width and height must be given: this configuration is for any sensor")
             width, height = self.sensor
         filters, shape = self.filters.registers(self.hardware.tick_us), self.filters.shape(width, height)
+        filters.check(shape)
+        if not shape.cell_px:
+            shape = replace(shape, stamp_w=_SIMULATED_STAMP_W)
         return replace(self.hardware, filters=filters, filter_shape=shape)
 
     def to_dict(self) -> dict[str, Any]:

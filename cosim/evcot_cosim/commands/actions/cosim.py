@@ -24,7 +24,7 @@ from ...lockstep.verdict import verdict_from
 from ...report.artifacts import run_names, write_mismatch, write_run
 from ...report.long_run import write_long_run
 from ...report.subsample import EVENTS_MAX
-from ...sweep.machine import design_fingerprint
+from ...rtl.fingerprint import design_fingerprint
 from ...tables import print_table
 from ..exit_codes import MISMATCH
 from ..options import window_from
