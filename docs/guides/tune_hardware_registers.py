@@ -7,6 +7,7 @@
 
 # %%
 from dataclasses import replace
+
 from matplotlib.figure import Figure
 
 import evcot
