@@ -10,6 +10,7 @@ import contextlib
 import gc
 import importlib
 import os
+import re
 import signal
 import sys
 from pathlib import Path
@@ -62,6 +63,20 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(20_000, 20, 50)
     gc.enable()
+
+
+_MISSING_TOOL = re.compile(r"not installed|could not import|not found|needs (?!.*\.(aedat|npz|raw))|on PATH|no C compiler")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """With EVCOT_REQUIRE_TOOLS (continuous integration), a test that was skipped for a missing tool fails the run."""
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if not os.environ.get("EVCOT_REQUIRE_TOOLS") or reporter is None or hasattr(session.config, "workerinput"):
+        return
+    reasons = {report.longrepr[2] for report in reporter.stats.get("skipped", []) if isinstance(report.longrepr, tuple)}
+    for reason in sorted(filter(_MISSING_TOOL.search, reasons)):
+        reporter.write_line(f"\nEVCOT_REQUIRE_TOOLS: a test was skipped: {reason}", red=True)
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 @pytest.fixture(scope="session")
