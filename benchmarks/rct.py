@@ -36,10 +36,7 @@ _WINDOW_US = 10_000
 _PACKET_US = 1_000
 _GROWTH = 1.05
 # Everything on that costs time per event or per packet.
-_FULL = replace(
-    PRESETS["discs"], size="deviation", centre="mean", alpha_tau_us=2_000.0, angle=True, free_aspect=True, surround=1.3,
-    radius_max_px=16.0, merge_grow=True, split_share=0.02, coast_us=50_000, support_rate_hz=10.0, radius_min_px=10.0,
-)  # fmt: skip
+_FULL = replace(PRESETS["discs"], box_quantile=0.05, dynamic_size=True, surround=1.3, vanishing_y_px=-1e4, reference_y_px=130.0)
 
 
 def measure(folder: Path, quick: bool) -> Iterator[Result]:

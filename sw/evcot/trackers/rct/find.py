@@ -16,8 +16,6 @@ __all__ = ["NOBODY", "find_by_options", "find_nearest"]
 
 NOBODY = 1 << 32
 _FIRST = choice("assign", "first")
-_CHEBYSHEV, _MANHATTAN = choice("distance", "chebyshev"), choice("distance", "manhattan")
-_SEPARATE = choice("polarity", "separate")
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -49,26 +47,14 @@ def find_nearest(clusters: Table, cells: Table, ex: Any, ey: Any, x: float, y: f
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _remoteness(rules: Any, dx: float, dy: float) -> Any:
-    """The measure of distance that the cluster that takes the event minimises."""
-    if rules.distance == _CHEBYSHEV:
-        return max(abs(dx), abs(dy))
-    if rules.distance == _MANHATTAN:
-        return abs(dx) + abs(dy)
-    return dx * dx + dy * dy
-
-
-@njit(cache=True, nogil=True, inline="always")
-def find_by_options(
-    rules: Any, clusters: Table, cells: Table, times: float, cell: Any, x: float, y: float, polarity: Any
-) -> Any:
+def find_by_options(options: Any, clusters: Table, cells: Table, times: float, cell: Any, x: float, y: float) -> Any:
     """The seat of the cluster whose scaled window holds the event: the nearest or first such cluster, or `NOBODY`.
 
-    Also returns the event's offset from the centre: dx, dy along the sensor's axes, and along the window's axes.
+    Also returns the event's distances u, v from the centre along x and y.
     """
     holder = np.uint64(NOBODY)
-    held = 0.0, 0.0, 0.0, 0.0
-    least = np.inf
+    held = 0.0, 0.0
+    least_px = np.inf
     word = 0
     near = cells[0, cell]
     while True:
@@ -76,19 +62,16 @@ def find_by_options(
             seat = lowest(near) + np.uint64(64 * word)
             near = without_lowest(near)
             cluster = clusters[seat]
-            dx = x - cluster.x
-            dy = y - cluster.y
-            u = abs(cluster.cos * dx + cluster.sin * dy)
-            v = abs(cluster.cos * dy - cluster.sin * dx)
-            beyond_px = max(u - times * cluster.half_width, v - times * cluster.half_height)
-            if beyond_px <= 0.0 and cluster.polarity == polarity:
-                if rules.assign == _FIRST:
-                    return seat, (dx, dy, u, v)
-                remoteness = _remoteness(rules, dx, dy)
-                if remoteness < least:
-                    least = remoteness
+            u = abs(x - cluster.x)
+            v = abs(y - cluster.y)
+            if max(u - times * cluster.half_width, v - times * cluster.half_height) <= 0.0:
+                if options.assign == _FIRST:
+                    return seat, (u, v)
+                distance_px = max(u, v)
+                if distance_px < least_px:
+                    least_px = distance_px
                     holder = seat
-                    held = dx, dy, u, v
+                    held = u, v
         word += 1
         if word == len(cells):
             return holder, held

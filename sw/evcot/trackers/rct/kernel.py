@@ -14,12 +14,9 @@ from .life import check, note_ends_of_life, seed
 from .lookup import cell_of, events_within
 from .move import move, pull_extent, pull_size
 from .packet import close_packet, open_packet
-from .state import NEVER_US, RECORDS_PER_PACKET, EventRules, State, Table, choice
+from .state import NEVER_US, RECORDS_PER_PACKET, EventOptions, EventRules, State, Table
 
-__all__ = ["close_last_packet", "feed", "place"]
-
-_SEPARATE = choice("polarity", "separate")
-_ON, _OFF = choice("polarity", "on"), choice("polarity", "off")
+__all__ = ["close_last_packet", "feed"]
 
 
 @step
@@ -35,18 +32,17 @@ def _at_times(state: State, t_us: int) -> Any:
 
 @njit(cache=True, nogil=True)
 def feed(
-    state: State, rules: EventRules, ts: Table, xs: Table, ys: Table, ps: Table | None, owner: Table
+    state: State, rules: EventRules, options: EventOptions | None, ts: Table, xs: Table, ys: Table, owner: Table
 ) -> int:  # fmt: skip
     """Track events until all are done or the buffer could overflow; returns the number done.
 
-    Without polarities (`ps` None) it is the paper's tracker: Numba then compiles it without the code of the options.
+    Without `options` it is the paper's tracker: Numba then compiles it without the code of the options.
     """
-    _, cursor, clusters, live, _, cells, around, _, alphas, out = state
+    _, cursor, clusters, live, _, cells, around, _, out = state
     cur = cursor[0]
     n_max = len(live)
     radius_px, alpha = rules.radius_px, rules.alpha
     keep = 1.0 - alpha
-    seeds_max = n_max if rules.seeding > 0 else 0
     wake_us = min(cur.packet_end_us, cur.next_due_us)
     first_index = cur.index
     for e in range(len(ts)):
@@ -60,45 +56,39 @@ def feed(
             wake_us = _at_times(state, t_us)
         x = float(xs[e])
         y = float(ys[e])
-        polarity = 0
-        if ps is None:
+        if options is None:
             seat, nearest_px = find_nearest(clusters, cells, xs[e], ys[e], x, y)
             held = nearest_px <= radius_px
         else:
-            polarity = np.int64(ps[e])  # type: ignore[assignment]
-            if (rules.polarity == _ON and polarity == 0) or (rules.polarity == _OFF and polarity != 0):
-                owner[e] = -1
-                continue
-            of = polarity if rules.polarity == _SEPARATE else 0
             cell = cell_of(xs[e], ys[e])
-            seat, where = find_by_options(rules, clusters, cells, 1.0, cell, x, y, of)
+            seat, (u, v) = find_by_options(options, clusters, cells, 1.0, cell, x, y)
             held = seat != np.uint64(NOBODY)
             if not held and len(around) > 0:
-                seat, where = find_by_options(rules, clusters, around, rules.surround, cell, x, y, of)
+                seat, (u, v) = find_by_options(options, clusters, around, options.surround, cell, x, y)
         if held:
             cluster = clusters[seat]
             astray = False
-            if ps is None:
-                pull_extent(rules, cluster, abs(x - cluster.x), abs(y - cluster.y))
+            if options is None:
+                pull_extent(cluster, abs(x - cluster.x), abs(y - cluster.y))
                 cluster.x = keep * cluster.x + alpha * x
                 cluster.y = keep * cluster.y + alpha * y
             else:
-                move(rules, alphas, cluster, x, y, where, t_us - cluster.last_us)
+                move(options, cluster, x, y, u, v)
                 astray = max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y)) > cluster.room
             cluster.last_us = t_us
             cluster.packet_events += 1
             owner[e] = cluster.slot
             if astray or cluster.packet_events >= cluster.check_at:
-                again = events_within(rules, cluster) if ps is None and cluster.track_id >= 0 else 0
+                again = events_within(rules, cluster) if options is None and cluster.track_id >= 0 else 0
                 if again > 0:
                     cluster.check_at = cluster.packet_events + again
                     continue
                 check(state, np.int64(seat), first_index + e, t_us)  # type: ignore[arg-type]
-        elif ps is not None and seat != np.uint64(NOBODY):
-            pull_size(rules, clusters[seat], x, y, where)
+        elif options is not None and seat != np.uint64(NOBODY):
+            pull_size(options, clusters[seat], x, y, u, v)
             owner[e] = -1
-        elif cur.live < seeds_max:
-            seat_new = seed(state, x, y, t_us, polarity)
+        elif cur.live < n_max:
+            seat_new = seed(state, x, y, t_us)
             check(state, seat_new, first_index + e, t_us)
             owner[e] = clusters[seat_new].slot
         else:
@@ -116,16 +106,3 @@ def close_last_packet(state: State) -> None:
     if cur.packet_end_us != -NEVER_US:
         close_packet(state, cur.last_us)
     cur.closed = cur.records
-
-
-@njit(cache=True, nogil=True)
-def place(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
-    """Create a cluster explicitly, as if seeded by an event; returns its slot, -1 if none is free."""
-    cur = state.cursor[0]
-    if cur.live == len(state.live):
-        return -1
-    seat = seed(state, x, y, t_us, polarity)
-    state.clusters[seat].packet_events = 0
-    check(state, seat, cur.index, t_us)
-    cur.next_due_us = min(cur.next_due_us, t_us)
-    return state.clusters[seat].slot

@@ -11,16 +11,14 @@ from ..._numba_private import step
 from .lookup import register, registered_for, take_seat, unregister
 from .records import LOST, record
 from .size import start_size
-from .state import NEVER_US, State, choice
+from .state import NEVER_US, State
 from .visible import missing_events, show_if_due
 
-__all__ = ["check", "drop", "lose", "note_ends_of_life", "remove_silent", "seed"]
-
-_SEPARATE = choice("polarity", "separate")
+__all__ = ["check", "drop", "note_ends_of_life", "remove_silent", "seed"]
 
 
 @step
-def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
+def seed(state: State, x: float, y: float, t_us: int) -> Any:
     """Create a cluster at an event, in the lowest free slot. Returns its seat."""
     cur = state.cursor[0]
     seat = take_seat(state)
@@ -37,15 +35,12 @@ def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
     cluster.from_us = NEVER_US
     cluster.last_us = t_us
     cluster.due_us = -NEVER_US
-    cluster.apart_us = -NEVER_US
     cluster.before = 0
     cluster.packet_events = 1
     cluster.places = 0
     cluster.measured = 0
     cluster.mass = 0.0
-    cluster.two = 0
     cluster.track_id = -1
-    cluster.polarity = polarity if state.rules[0].polarity == _SEPARATE else 0
     state.live[cur.live] = seat
     cur.live += 1
     start_size(state.rules[0], cluster)
@@ -79,16 +74,6 @@ def drop(state: State, i: int) -> None:
     cur.live -= 1
     for k in range(i, cur.live):
         state.live[k] = state.live[k + 1]
-
-
-@step
-def lose(state: State, i: int, now_us: int) -> None:
-    """End the i-th live cluster before its lifetime has passed."""
-    cur = state.cursor[0]
-    seat = state.live[i]
-    if state.clusters[seat].track_id >= 0:
-        record(state, LOST, cur.index, now_us, seat, -1)
-    drop(state, i)
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -104,11 +104,11 @@ def take_seat(state: State) -> Any:
 def register(state: State, seat: int) -> None:
     """Add a cluster to the sets of the cells around it."""
     cluster = state.clusters[seat]
-    slack = _slack_px(max(cluster.reach_x, cluster.reach_y))
+    slack = _slack_px(max(cluster.half_width, cluster.half_height))
     cluster.cells_x = cluster.x
     cluster.cells_y = cluster.y
-    cluster.cells_reach_x = cluster.reach_x + slack
-    cluster.cells_reach_y = cluster.reach_y + slack
+    cluster.cells_reach_x = cluster.half_width + slack
+    cluster.cells_reach_y = cluster.half_height + slack
     cluster.room = slack
     _flip_all(state, seat)
 
@@ -120,17 +120,17 @@ def events_within(rules: Any, cluster: Any) -> Any:
     An event moves the paper's cluster by at most the mixing factor times the window's reach; with options, `room` is checked
     at each event.
     """
-    step_px = 0.0 if rules.whole > 0 else rules.alpha * rules.radius_px
+    step_px = 0.0 if rules.full > 0 else rules.alpha * rules.radius_px
     left_px = cluster.room - max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y))
     if left_px <= step_px:
         return 0
-    return _LONG if rules.whole > 0 else max(1, np.int64(left_px / step_px))
+    return _LONG if rules.full > 0 else max(1, np.int64(left_px / step_px))
 
 
 @njit(cache=True, nogil=True, inline="always")
 def set_room(cluster: Any) -> None:
     """Update the remaining slack after a change of the window's size."""
-    cluster.room = min(cluster.cells_reach_x - cluster.reach_x, cluster.cells_reach_y - cluster.reach_y)
+    cluster.room = min(cluster.cells_reach_x - cluster.half_width, cluster.cells_reach_y - cluster.half_height)
 
 
 @step
@@ -139,7 +139,7 @@ def registered_for(state: State, seat: int) -> Any:
     rules = state.rules[0]
     cluster = state.clusters[seat]
     again = events_within(rules, cluster)
-    if again == 0 or cluster.room > 3.0 * _slack_px(max(cluster.reach_x, cluster.reach_y)):
+    if again == 0 or cluster.room > 3.0 * _slack_px(max(cluster.half_width, cluster.half_height)):
         unregister(state, seat)
         register(state, seat)
         again = max(1, events_within(rules, cluster))

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from numba import njit
@@ -11,36 +10,20 @@ from numba import njit
 from ..._numba_private import step
 from .life import drop
 from .records import MERGED, record
-from .size import set_reach
-from .state import State, Table, choice
+from .size import set_mixing
+from .state import State, Table
 from .velocity import jump
 from .visible import missing_events, show_if_due
 
 __all__ = ["merge_overlapping"]
 
-_HEAVIER = choice("merge_into", "heavier")
-
-
-@step
-def _grow(rules: Any, into: Any, gone: Any) -> None:
-    """Grow the survivor's window, at its new centre, to cover both windows; likewise its box."""
-    most = rules.radius_max_px
-    wide = max(abs(into.x - gone.x) + gone.half_width, into.half_width)
-    high = max(abs(into.y - gone.y) + gone.half_height, into.half_height)
-    into.half_width = min(wide, most)
-    into.half_height = min(high, most)
-    into.left, into.right = min(into.left, gone.left), max(into.right, gone.right)
-    into.top, into.bottom = min(into.top, gone.top), max(into.bottom, gone.bottom)
-    into.deviation_x = max(into.deviation_x, into.half_width / rules.size_ratio)
-    into.deviation_y = max(into.deviation_y, into.half_height / rules.size_ratio)
-
 
 @step
 def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
-    """Average the two clusters, weighted by their events; or, if the heavier survives, by mass, in which old events fade."""
+    """Average the two clusters, weighted by their events; with a visible rate, by mass, to which old events contribute less."""
     own = float(into.before + into.packet_events)
     other = float(gone.before + gone.packet_events)
-    if rules.merge_into == _HEAVIER and into.mass + gone.mass > 0.0:
+    if rules.visible_rate_hz > 0.0 and into.mass + gone.mass > 0.0:
         own, other = into.mass, gone.mass
     total = own + other
     x, y = into.x, into.y
@@ -53,25 +36,22 @@ def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
     into.before += gone.before
     into.packet_events += gone.packet_events
     into.mass += gone.mass
-    if rules.merge_grow > 0:
-        _grow(rules, into, gone)
-    else:
-        into.left += into.x - x
-        into.right += into.x - x
-        into.top += into.y - y
-        into.bottom += into.y - y
+    into.left += into.x - x
+    into.right += into.x - x
+    into.top += into.y - y
+    into.bottom += into.y - y
     into.extent_x = min(max(abs(into.x - gone.x) + gone.extent_x, into.extent_x), into.half_width)
     into.extent_y = min(max(abs(into.y - gone.y) + gone.extent_y, into.extent_y), into.half_height)
-    set_reach(rules, into)
+    set_mixing(into)
 
 
 @step
 def _second_survives(rules: Any, first: Any, second: Any) -> Any:
-    """Whether the cluster that was seeded later survives: it does if it became visible first, or has more mass; of two
-    invisible clusters, the one seeded first survives."""
+    """Whether the cluster that was seeded later survives: it does if it became visible first or, with a
+    visible rate, has more mass; of two invisible clusters, the one seeded first survives."""
     if first.track_id < 0 or second.track_id < 0:
         return second.track_id > first.track_id
-    if rules.merge_into == _HEAVIER:
+    if rules.visible_rate_hz > 0.0:
         return second.mass > first.mass
     return second.track_id < first.track_id
 
@@ -105,34 +85,24 @@ def _merge(state: State, i: int, j: int) -> Any:
 @step
 def _may_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
     """Whether two touching windows overlap enough, and no option prevents the merge."""
-    if now_us < a.apart_us and now_us < b.apart_us:
-        return False
-    if a.polarity != b.polarity:
-        return False
     if rules.coast_us > 0 and now_us - min(a.last_us, b.last_us) >= rules.lifetime_us:
         return False  # a coasting cluster may be behind the other
-    wide = min(a.reach_x + b.reach_x - abs(a.x - b.x), 2.0 * min(a.reach_x, b.reach_x))
-    high = min(a.reach_y + b.reach_y - abs(a.y - b.y), 2.0 * min(a.reach_y, b.reach_y))
-    smaller = 4.0 * min(a.reach_x * a.reach_y, b.reach_x * b.reach_y)
-    if wide * high < rules.merge_overlap * smaller:
-        return False
-    speed_a = math.hypot(a.velocity_x, a.velocity_y)
-    speed_b = math.hypot(b.velocity_x, b.velocity_y)
-    fast = min(speed_a, speed_b) > rules.merge_speed_px_s
-    along = a.velocity_x * b.velocity_x + a.velocity_y * b.velocity_y
-    return not (fast and along < rules.merge_cos * speed_a * speed_b)
+    wide = min(a.half_width + b.half_width - abs(a.x - b.x), 2.0 * min(a.half_width, b.half_width))
+    high = min(a.half_height + b.half_height - abs(a.y - b.y), 2.0 * min(a.half_height, b.half_height))
+    smaller = 4.0 * min(a.half_width * a.half_height, b.half_width * b.half_height)
+    return wide * high >= rules.merge_overlap * smaller
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _touch(a: Any, b: Any) -> Any:
     """Whether two windows share a point."""
-    return max(abs(a.x - b.x) - (a.reach_x + b.reach_x), abs(a.y - b.y) - (a.reach_y + b.reach_y)) <= 0.0
+    return max(abs(a.x - b.x) - (a.half_width + b.half_width), abs(a.y - b.y) - (a.half_height + b.half_height)) <= 0.0
 
 
 @step
 def _should_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
     """Whether to merge two clusters. Those of the paper did not touch after the last packet, so one must have new events."""
-    return _may_merge(rules, a, b, now_us) if rules.whole > 0 else a.packet_events + b.packet_events > 0
+    return _may_merge(rules, a, b, now_us) if rules.full > 0 else a.packet_events + b.packet_events > 0
 
 
 @step

@@ -7,13 +7,12 @@ import math
 
 from ..._numba_private import step
 from .advance import advance
-from .border import remove_failing
+from .evidence import MASS_TAU_US
 from .life import check, drop, remove_silent
 from .lookup import events_within, set_room
 from .merge import merge_overlapping
 from .records import MOVED, record
 from .size import follow_size, set_steps
-from .split import split_apart
 from .state import NEVER_US, State
 from .velocity import measure_velocity
 from .visible import grow_mass, hide_weak, is_due, is_weak, missing_events, show_if_due
@@ -31,11 +30,11 @@ def close_packet(state: State, now_us: int) -> None:
         seat = state.live[i]
         if state.clusters[seat].packet_events > 0:
             measure_velocity(state, seat, cur.packet_end_us)
-    if rules.whole > 0:
-        _update_clusters(state, now_us)
-    if rules.merging > 0:
+    if rules.full > 0:
+        _update_clusters(state)
+    if rules.merge_overlap <= 1.0:
         merge_overlapping(state)
-    if rules.whole > 0:
+    if rules.full > 0:
         _update_tracks(state, now_us)
     for i in range(cur.live):
         seat = state.live[i]
@@ -47,16 +46,15 @@ def close_packet(state: State, now_us: int) -> None:
 
 
 @step
-def _update_clusters(state: State, now_us: int) -> None:
-    """Options: update mass, size and number of clusters from the events of the packet."""
+def _update_clusters(state: State) -> None:
+    """Options: update mass and size of clusters from the events of the packet."""
     rules = state.rules[0]
-    decay = math.exp(-rules.packet_us / rules.mass_tau_us)
+    decay = math.exp(-rules.packet_us / MASS_TAU_US)
     for i in range(state.cursor[0].live):
         cluster = state.clusters[state.live[i]]
-        grow_mass(rules, cluster, decay)
+        grow_mass(cluster, decay)
         if cluster.packet_events > 0:
             follow_size(rules, cluster)
-    split_apart(state, now_us)
 
 
 @step
@@ -64,7 +62,6 @@ def _update_tracks(state: State, now_us: int) -> None:
     """Options: remove clusters, hide weak tracks, and show new ones."""
     cur = state.cursor[0]
     rules = state.rules[0]
-    remove_failing(state, now_us, now_us)
     for i in range(cur.live):
         if is_weak(rules, state.clusters[state.live[i]]):
             hide_weak(state, state.live[i], now_us, now_us)
@@ -86,7 +83,7 @@ def _finish_packet(state: State) -> None:
     """Account for the packet's events; with prediction, advance the clusters."""
     cur = state.cursor[0]
     rules = state.rules[0]
-    moves = rules.whole > 0
+    moves = rules.full > 0
     if moves:
         advance(state, cur.packet_end_us, cur.packet_end_us + rules.packet_us)
     for i in range(cur.live):
@@ -98,7 +95,7 @@ def _finish_packet(state: State) -> None:
             if moves:
                 set_room(cluster)
             else:
-                set_steps(rules, cluster)
+                set_steps(cluster)
             again = events_within(rules, cluster)
             if cluster.track_id < 0:
                 again = min(again, max(0, missing_events(rules, cluster)))
@@ -121,25 +118,23 @@ def open_packet(state: State, t_us: int) -> None:
     if silent > 0:
         begin_us = cur.packet_end_us
         cur.packet_end_us += silent * rules.packet_us
-        if rules.whole > 0:
-            _remove_weak(state, begin_us)
+        if rules.full > 0:
+            _hide_weak_ones(state, begin_us)
         remove_silent(state, cur.packet_end_us)
-        if rules.whole > 0:
+        if rules.full > 0:
             _coast(state, begin_us)
     cur.packet_end_us += rules.packet_us
     cur.closed = cur.records
 
 
 @step
-def _remove_weak(state: State, begin_us: int) -> None:
-    """Options: remove or hide clusters that become too weak in the silent packets from `begin_us` on."""
+def _hide_weak_ones(state: State, begin_us: int) -> None:
+    """Options: hide clusters that become too weak in the silent packets from `begin_us` on."""
     cur = state.cursor[0]
-    rules = state.rules[0]
-    remove_failing(state, begin_us, cur.packet_end_us)
-    decay = math.exp(-(cur.packet_end_us - begin_us) / rules.mass_tau_us)
+    decay = math.exp(-(cur.packet_end_us - begin_us) / MASS_TAU_US)
     for i in range(cur.live):
         hide_weak(state, state.live[i], begin_us, cur.packet_end_us)
-        grow_mass(rules, state.clusters[state.live[i]], decay)
+        grow_mass(state.clusters[state.live[i]], decay)
 
 
 @step

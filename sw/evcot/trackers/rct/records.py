@@ -7,12 +7,11 @@ from ..._numba_private import step
 from ...tracks.log import Kind
 from .evidence import weight
 from .size import object_box
-from .state import State, choice
+from .state import State
 
 __all__ = ["BORN", "LOST", "MERGED", "MOVED", "record"]
 
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
-_BOX = choice("centre", "box")
 
 
 @step
@@ -40,11 +39,12 @@ def record(state: State, kind: int, index: int, t_us: int, seat: int, other_id: 
     row.slot = cluster.slot
     row.x = cluster.x
     row.y = cluster.y
-    if state.rules[0].centre == _BOX:
+    if state.rules[0].box_quantile > 0.0:
         row.radius = 0.5 * max(cluster.right - cluster.left, cluster.bottom - cluster.top, 1.0)
     else:
         row.radius = max(cluster.half_width, cluster.half_height)
-    row.width, row.height, row.angle = object_box(state.rules[0], cluster)
+    row.width, row.height = object_box(state.rules[0], cluster)
+    row.angle = 0.0
     row.vx = cluster.velocity_x
     row.vy = cluster.velocity_y
     evidence = weight(state.rules[0], cluster)

@@ -13,16 +13,17 @@ from ...tracks.log import TRACK
 from .config import RCT_CHOICES, RctConfig
 
 __all__ = [
-    "ALPHAS",
     "CELLS",
     "NEVER_US",
     "PLACE",
     "RECORDS_PER_PACKET",
     "SUMMARY",
+    "EventOptions",
     "EventRules",
     "State",
     "Table",
     "choice",
+    "event_options",
     "event_rules",
     "new_state",
     "summary",
@@ -36,16 +37,13 @@ RECORDS_PER_PACKET = 4
 CELLS = 64  # to a side of the lookup
 _LINE = 64  # bytes
 _WORD = 64  # bits
-ALPHAS = 4096  # intervals in us whose mixing factor stands in a table
 
 # The settings by name, with choices as numbers; and values derived from them.
 RULES = np.dtype(
     [(f.name, "<f8" if isinstance(f.default, float) else "<i8") for f in fields(RctConfig)]
     + [
-        ("whole", "<i8"),  # any option beyond the paper's tracker
-        ("shaped", "<i8"),  # deviations are needed
-        ("boxed", "<i8"),  # the box is needed
-        ("merge_cos", "<f8"),
+        ("full", "<i8"),  # any option beyond the paper's tracker
+        ("perspective", "<i8"),
         ("width", "<f8"),  # of the sensor, 0 where unknown
         ("height", "<f8"),
     ]
@@ -55,19 +53,19 @@ RULES = np.dtype(
 class EventRules(NamedTuple):
     """The rules needed for every event, by value: no store can alias them, so that the loop need not reload them."""
 
-    whole: int
+    full: int
     radius_px: float
     alpha: float
-    seeding: int
-    polarity: int
+
+
+class EventOptions(NamedTuple):
+    """The options needed for every event, likewise."""
+
+    alpha: float
     assign: int
-    distance: int
     surround: float
-    shaped: int
-    boxed: int
+    birth_spread_px: float
     box_quantile: float
-    centre: int
-    alpha_tau_us: float
 
 
 # A cluster's fields. Those used for every event come first, eight per cache line.
@@ -80,23 +78,15 @@ _CLUSTER_FIELDS = (
     ("slot", "<i8"),  # public slot number
     ("extent_x", "<f8"),  # half the sides of the object, as seen from the centre
     ("extent_y", "<f8"),
-    # Options: the window, half its sides and its direction.
+    # Options: half the sides of the window.
     ("half_width", "<f8"),
     ("half_height", "<f8"),
-    ("cos", "<f8"),
-    ("sin", "<f8"),
     ("room", "<f8"),  # how far it may move before it is registered anew
-    ("polarity", "<i8"),  # of the event that seeded it
-    ("mix", "<f8"),  # mixing factor of the means, larger for young clusters
+    ("mix", "<f8"),  # mixing factor of the deviations, larger for young clusters
     ("track_id", "<i8"),  # -1 until it is visible
-    # Options: statistics of its events relative to the centre, as running means.
-    ("deviation_x", "<f8"),  # absolute, along the window's axes
+    # Options: running means of the distances of its events from the centre.
+    ("deviation_x", "<f8"),
     ("deviation_y", "<f8"),
-    ("moment_xx", "<f8"),  # second moments, along the sensor's
-    ("moment_yy", "<f8"),
-    ("middle_x", "<f8"),  # share of events nearer to the centre than half the deviation
-    ("middle_y", "<f8"),
-    ("moment_xy", "<f8"),
     ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
     ("left", "<f8"),  # the box
     ("right", "<f8"),
@@ -115,10 +105,6 @@ _CLUSTER_FIELDS = (
     ("places", "<i8"),  # number of positions in the path so far
     ("measured", "<i8"),  # number of these since it last jumped
     ("mass", "<f8"),  # at the end of the last packet
-    ("two", "<i8"),  # packets for which its events have formed two groups
-    ("apart_us", "<i8"),  # until then it does not merge with clusters for which the same holds
-    ("reach_x", "<f8"),  # half the extent of the window along the sensor's axes
-    ("reach_y", "<f8"),
     ("due_index", "<i8"),  # first event at or after the end of its life, for
     ("due_us", "<i8"),  # the `last_us` for which it was determined
     ("cells_reach_x", "<f8"),  # extent of its registration in the lookup
@@ -160,8 +146,6 @@ SUMMARY = np.dtype(
         ("velocity_y", "<f8"),
         ("half_width", "<f8"),
         ("half_height", "<f8"),
-        ("angle", "<f8"),
-        ("mass", "<f8"),
         ("events", "<i8"),
         ("last_us", "<i8"),
         ("track_id", "<i8"),
@@ -182,7 +166,6 @@ class State(NamedTuple):
         cells: (words, CELLS * CELLS) uint64: the sets of `lookup`, by windows.
         around: the same by surrounds; empty without surrounds.
         paths: (max_clusters, path_points) of `PLACE`, rings by slot.
-        alphas: (ALPHAS,) the mixing factor by the time in us since a cluster's last event, if it depends on that.
         out: the records that were not yet returned, of dtype `TRACK`.
     """
 
@@ -194,7 +177,6 @@ class State(NamedTuple):
     cells: Table
     around: Table
     paths: Table
-    alphas: Table
     out: Table
 
 
@@ -206,6 +188,13 @@ def choice(field: str, name: str) -> int:
 def event_rules(state: State) -> EventRules:
     """The rules for the loop over events."""
     return EventRules(*(state.rules[name][0].item() for name in EventRules._fields))
+
+
+def event_options(state: State) -> EventOptions | None:
+    """The options for the loop over events; None for the paper's tracker."""
+    if not state.rules["full"][0]:
+        return None
+    return EventOptions(*(state.rules[name][0].item() for name in EventOptions._fields))
 
 
 def new_state(config: RctConfig, width: int, height: int) -> State:
@@ -224,7 +213,6 @@ def new_state(config: RctConfig, width: int, height: int) -> State:
         np.zeros((words, CELLS * CELLS), np.uint64),
         np.zeros((words if config.surround > 1.0 else 0, CELLS * CELLS), np.uint64),
         np.zeros((n, max(1, config.path_points)), PLACE),
-        -np.expm1(-np.arange(ALPHAS) / config.alpha_tau_us) if config.alpha_tau_us else np.zeros(ALPHAS),
         np.zeros(2 * RECORDS_PER_PACKET * n + 4096, TRACK),
     )
 
@@ -241,10 +229,7 @@ def _rules(config: RctConfig, width: int, height: int) -> Table:
     for f in fields(config):
         value = getattr(config, f.name)
         rules[f.name] = choice(f.name, value) if f.name in RCT_CHOICES else value
-    rules["whole"] = config.whole
-    rules["shaped"] = config.size == "deviation" or config.angle or config.birth_spread_px > 0 or config.split_share > 0
-    rules["boxed"] = config.size == "quantile" or config.centre == "box"
-    rules["merge_cos"] = np.cos(np.radians(config.merge_angle_deg))
+    rules["full"], rules["perspective"] = config.full, config.perspective
     rules["width"], rules["height"] = width, height
     return rules
 
@@ -254,6 +239,5 @@ def summary(clusters: NDArray[np.void]) -> NDArray[np.void]:
     shown = np.zeros(len(clusters), SUMMARY)
     for name in set(SUMMARY.names or ()) & set(CLUSTER.names or ()):
         shown[name] = clusters[name]
-    shown["angle"] = np.arctan2(clusters["sin"], clusters["cos"])
     shown["events"] = clusters["before"] + clusters["packet_events"]
     return shown

@@ -19,13 +19,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import ConfigError, RecordingError
 from ...events import Events, Recording
 from ...tracks.log import TRACK, TrackLog
 from ...tracks.tracking import PacketBegin, check_order, track_recording
 from .config import RctConfig
-from .kernel import close_last_packet, feed, place
-from .state import event_rules, new_state, summary
+from .kernel import close_last_packet, feed
+from .state import event_options, event_rules, new_state, summary
 
 __all__ = ["RctTracker", "track"]
 
@@ -40,16 +39,11 @@ class RctTracker:
         """A tracker before its first event.
 
         Args:
-            width, height: of the sensor, px; 0 if unknown. Required by `border_share`; limits prediction.
-
-        Raises:
-            ConfigError: `border_share` without a sensor size.
+            width, height: of the sensor, px; 0 if unknown. Limits prediction.
         """
-        if config.border_share < 1.0 and not (width > 0 and height > 0):
-            raise ConfigError(f"rct.border_share = {config.border_share:g}: needs the sensor's width and height")
         self.config = config
         self._state = new_state(config, width, height)
-        self._rules = event_rules(self._state)
+        self._rules, self._options = event_rules(self._state), event_options(self._state)
         self._cursor = self._state.cursor
         self._packet = PacketBegin(config.packet_us)
 
@@ -73,8 +67,7 @@ class RctTracker:
         done = 0
         while done < len(events):
             rest = events[done:]
-            polarities = rest.p if self.config.whole else None
-            done += feed(self._state, self._rules, rest.t_us, rest.x, rest.y, polarities, owner[done:])
+            done += feed(self._state, self._rules, self._options, rest.t_us, rest.x, rest.y, owner[done:])
             parts.append(self._take_closed())
         self._packet.fed(events, int(self._cursor["packet_end_us"][0]))
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
@@ -92,25 +85,9 @@ class RctTracker:
         """See `tracking.Tracker`: the events before the open packet."""
         return self._packet.index
 
-    def place(self, x: float, y: float, t_us: int, polarity: int = 1) -> int:
-        """Create a cluster at (x, y) px and time t_us, not before the last event, as if seeded by an event.
-
-        Returns its slot.
-
-        Raises:
-            RecordingError: every slot is in use, or a time before the last event.
-        """
-        last_us = int(self._cursor["last_us"][0])
-        if t_us < last_us:
-            raise RecordingError(f"place: t = {t_us} us follows t = {last_us} us: time must not run back")
-        slot = int(place(self._state, float(x), float(y), t_us, polarity))
-        if slot < 0:
-            raise RecordingError(f"place: all {self.config.max_clusters} slots are in use: max_clusters must be larger")
-        return slot
-
     def clusters(self) -> NDArray[np.void]:
         """The live clusters, in order of seeding: (k,) with x, y, half_width, half_height (px), velocity_x, velocity_y (px/s),
-        angle (rad, of the width's side), mass, events, last_us, track_id (-1 while invisible) and slot."""
+        events, last_us, track_id (-1 while invisible) and slot."""
         return summary(self._live())
 
     def paths(self) -> list[NDArray[np.void]]:

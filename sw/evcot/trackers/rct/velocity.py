@@ -3,16 +3,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from ..._numba_private import step
-from .state import NEVER_US, State, choice
+from .state import NEVER_US, State
 
 __all__ = ["jump", "measure_velocity"]
 
-_REGRESSION = choice("velocity", "regression")
-_FEW = 3  # positions that are too few for a velocity
+_REGRESSION_MIN = 3  # positions: a line through two has no error to average
 
 
 @step
@@ -27,18 +25,13 @@ def measure_velocity(state: State, seat: int, now_us: int) -> None:
         place.y = cluster.y
         cluster.places += 1
     cluster.measured += 1
-    if rules.velocity == _REGRESSION:
+    if rules.path_points >= _REGRESSION_MIN:
         _regress(state, seat)
     else:
         _filter(rules, cluster, now_us)
     cluster.from_x = cluster.x
     cluster.from_y = cluster.y
     cluster.from_us = now_us
-    if rules.speed_max_px_s > 0.0:
-        speed = math.hypot(cluster.velocity_x, cluster.velocity_y)
-        if speed > rules.speed_max_px_s:
-            cluster.velocity_x *= rules.speed_max_px_s / speed
-            cluster.velocity_y *= rules.speed_max_px_s / speed
 
 
 @step
@@ -57,7 +50,7 @@ def _regress(state: State, seat: int) -> None:
     cluster = state.clusters[seat]
     size = state.paths.shape[1]
     n = min(cluster.measured, size)
-    if n < _FEW:
+    if n < _REGRESSION_MIN:
         return
     path = state.paths[cluster.slot]
     sum_t = sum_x = sum_y = sum_tt = sum_tx = sum_ty = 0.0

@@ -10,24 +10,27 @@ import numpy as np
 from numba import njit
 
 from ..._numba_private import step
-from .evidence import weight
+from .evidence import MASS_TAU_US, weight
 from .records import BORN, LOST, record
-from .state import NEVER_US, State, choice
+from .state import NEVER_US, State
 
-__all__ = ["falls_at", "grow_mass", "hide_weak", "is_due", "is_weak", "missing_events", "show_if_due"]
+__all__ = ["grow_mass", "hide_weak", "is_due", "is_weak", "missing_events", "show_if_due"]
 
-_EVENTS = choice("visibility", "events")
 _LONG = 1 << 40  # events
+# Share of the rate below which a track is hidden: noise of the estimated rate does not end it.
+_HIDDEN_SHARE = 0.2
+# Distance at which a new cluster continues a coasting track: the error of a prediction over 50 ms.
+_COAST_REACH_PX = 20.0
 
 
 @njit(cache=True, nogil=True, inline="always")
 def missing_events(rules: Any, cluster: Any) -> Any:
-    """Number of events a cluster needs to become visible; very large with rates and masses, which are checked per packet."""
-    return rules.visible_events - cluster.before - cluster.packet_events if rules.visibility == _EVENTS else _LONG
+    """Number of events a cluster needs to become visible; very large with rates, which are checked per packet."""
+    return rules.visible_events - cluster.before - cluster.packet_events if rules.visible_rate_hz == 0.0 else _LONG
 
 
 @step
-def grow_mass(rules: Any, cluster: Any, decay: float) -> None:
+def grow_mass(cluster: Any, decay: float) -> None:
     """Update the mass after a packet: it decays, and each event adds 1."""
     cluster.mass = cluster.mass * decay + cluster.packet_events
 
@@ -41,7 +44,7 @@ def is_due(rules: Any, cluster: Any) -> Any:
 @step
 def is_weak(rules: Any, cluster: Any) -> Any:
     """Whether a track no longer meets the conditions to stay visible."""
-    return rules.visibility != _EVENTS and cluster.track_id >= 0 and weight(rules, cluster) < rules.hidden_share
+    return rules.visible_rate_hz > 0.0 and cluster.track_id >= 0 and weight(rules, cluster) < _HIDDEN_SHARE
 
 
 @step
@@ -75,10 +78,10 @@ def _coasting_nearby(state: State, seat: int, now_us: int) -> Any:
     rules = state.rules[0]
     cluster = state.clusters[seat]
     nearest = -1
-    nearest_px = rules.coast_reach_px
+    nearest_px = _COAST_REACH_PX
     for i in range(state.cursor[0].live):
         other = state.clusters[state.live[i]]
-        if other.track_id >= 0 and now_us - other.last_us >= rules.lifetime_us and other.polarity == cluster.polarity:
+        if other.track_id >= 0 and now_us - other.last_us >= rules.lifetime_us:
             distance_px = max(abs(other.x - cluster.x), abs(other.y - cluster.y))
             if distance_px <= nearest_px:
                 nearest_px = distance_px
@@ -87,30 +90,30 @@ def _coasting_nearby(state: State, seat: int, now_us: int) -> Any:
 
 
 @step
-def falls_at(rules: Any, level: float, least: float, begin_us: int, end_us: int) -> Any:
-    """The end of the packet in which a level that decays like mass falls below a limit, if that is not after `end_us`.
+def _falls_at(rules: Any, level: float, begin_us: int, end_us: int) -> Any:
+    """The end of the packet in which a level that decays like mass falls below `_HIDDEN_SHARE`, if that is not after `end_us`.
 
     `begin_us` if it is already below.
     """
-    if level < least:
+    if level < _HIDDEN_SHARE:
         return begin_us
-    if least <= 0.0 or begin_us == end_us:
+    if begin_us == end_us:
         return NEVER_US
-    packets = np.int64(rules.mass_tau_us / rules.packet_us * math.log(level / least)) + 1
+    packets = np.int64(MASS_TAU_US / rules.packet_us * math.log(level / _HIDDEN_SHARE)) + 1
     return begin_us + packets * rules.packet_us
 
 
 @step
 def hide_weak(state: State, seat: int, begin_us: int, end_us: int) -> None:
-    """End a track whose rate or mass falls below its share of the threshold in the silence from `begin_us` to `end_us`.
+    """End a track whose rate falls below its share of the threshold in the silence from `begin_us` to `end_us`.
 
     Its cluster continues to exist, invisible.
     """
     rules = state.rules[0]
     cluster = state.clusters[seat]
-    if rules.visibility == _EVENTS or cluster.track_id < 0:
+    if rules.visible_rate_hz == 0.0 or cluster.track_id < 0:
         return
-    at_us = falls_at(rules, weight(rules, cluster), rules.hidden_share, begin_us, end_us)
+    at_us = _falls_at(rules, weight(rules, cluster), begin_us, end_us)
     if rules.coast_us > 0:
         at_us = max(at_us, cluster.last_us + rules.lifetime_us + rules.coast_us)
     if at_us <= end_us:

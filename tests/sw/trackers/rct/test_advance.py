@@ -14,7 +14,7 @@ from evcot.trackers.rct.tracker import RctTracker
 
 from .stories import WIDTH, events_of, object_at, tracked
 
-CARRIED = RctConfig(radius_px=16.0, max_clusters=1, velocity="regression", path_points=20, predict=1.0, lifetime_us=10**6)
+CARRIED = RctConfig(radius_px=16.0, max_clusters=1, path_points=20, predict=1.0, lifetime_us=10**6)
 
 
 def after_silence(config: RctConfig, silence_us: int, velocity: float = 200.0) -> tuple[float, np.void]:
@@ -49,15 +49,17 @@ def test_a_silent_cluster_goes_on_by_velocity_times_time(share: float) -> None:
     assert way_px == pytest.approx(share * 10, rel=0.2)
 
 
-def test_friction_lets_it_go_no_farther_than_velocity_times_tau() -> None:
-    config = replace(CARRIED, friction_tau_us=20_000.0)
-    way_px, cluster = after_silence(config, 400_000)
+def test_a_coasting_cluster_loses_velocity_with_twice_the_coasting_time() -> None:
+    """tau = 20 ms: in 400 ms it goes v tau, less the millisecond before."""
+    way_px, cluster = after_silence(replace(CARRIED, coast_us=10_000), 400_000)
     assert way_px == pytest.approx(cluster["velocity_x"] * 0.020 * math.exp(-1 / 20), rel=0.1)
 
 
-def test_few_places_are_not_trusted() -> None:
-    way_px, cluster = after_silence(replace(CARRIED, predict_points=1_000), 50_000)
-    assert way_px == 0
+@pytest.mark.parametrize(("path_points", "trusted"), [(20, True), (400, True), (700, False)])
+def test_a_velocity_is_trusted_from_half_the_path_on(path_points: int, trusted: bool) -> None:
+    """300 positions are known."""
+    way_px, cluster = after_silence(replace(CARRIED, path_points=path_points), 50_000)
+    assert (way_px > 0) == trusted
     assert cluster["velocity_x"] > 100
 
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from evcot.trackers.rct.config import RctConfig
-from evcot.tracks.log import Kind
 
-from .stories import events_of, object_at, of_kind, together, tracked
+from .stories import events_of, tracked
 
 SEATS = 64  # of a tracker with few clusters
 CONFIG = RctConfig(max_clusters=8, radius_px=10.0, lifetime_us=1_500, surround=1.7)
@@ -28,14 +26,3 @@ def test_an_old_cluster_keeps_its_window_and_its_surround(assign: str) -> None:
     owners = tracked(events_of(rows), replace(CONFIG, assign=assign))[1].reshape(-1, 3)
     assert (owners[:, :2] == (0, -1)).all()
     assert set(owners[:, 2].tolist()) == {1, 2}
-
-
-def test_a_cluster_splits_however_many_have_been_before() -> None:
-    """So also where the seat for the second group is one too many."""
-    config = replace(CONFIG, radius_px=20.0, size="deviation", free_aspect=True, split_share=0.05, visible_events=50)
-    edges = object_at((300, 300), half=(9, 5), us=(100_000, 150_000), hollow=True)
-    logs = [tracked(together(events_of(strays(n)), edges), config)[0] for n in (1, *range(SEATS - 6, SEATS + 6))]
-    columns = ["t_us", "kind", "track_id", "slot", "x", "y", "radius", "n_ev", "support"]
-    for log in logs:
-        np.testing.assert_array_equal(log[columns], logs[0][columns])
-    assert len(of_kind(logs[0], Kind.BORN)) == 2

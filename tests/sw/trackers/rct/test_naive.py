@@ -11,8 +11,11 @@ import pytest
 
 from evcot.events import Events, Recording
 from evcot.trackers.rct.config import RctConfig
+from evcot.trackers.rct.move import EXTENT_QUANTILE
 from evcot.trackers.rct.tracker import RctTracker, track
 from evcot.tracks.log import Kind
+
+STEP = 0.02  # of the sides of the extent, in half windows
 
 
 @dataclass
@@ -105,14 +108,14 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
         holding = [c for c in clusters if max(abs(xs[e] - c.x), abs(ys[e] - c.y)) <= radius]
         if holding:
             c = min(holding, key=lambda c: max(abs(xs[e] - c.x), abs(ys[e] - c.y)))
-            c.wide = max(c.wide + c.step * (float(abs(xs[e] - c.x) > c.wide) - 2 * config.box_quantile), 0.0)
-            c.high = max(c.high + c.step * (float(abs(ys[e] - c.y) > c.high) - 2 * config.box_quantile), 0.0)
+            c.wide = max(c.wide + c.step * (float(abs(xs[e] - c.x) > c.wide) - 2 * EXTENT_QUANTILE), 0.0)
+            c.high = max(c.high + c.step * (float(abs(ys[e] - c.y) > c.high) - 2 * EXTENT_QUANTILE), 0.0)
             c.x = (1 - alpha) * c.x + alpha * xs[e]
             c.y = (1 - alpha) * c.y + alpha * ys[e]
             c.t, c.events, c.taken = t[e], c.events + 1, c.taken + 1
         elif len(clusters) < config.max_clusters:
             c = Naive(float(xs[e]), float(ys[e]), t[e], min(set(range(config.max_clusters)) - {c.slot for c in clusters}))
-            c.step = max(config.box_alpha, 0.1) * radius
+            c.step = max(STEP, 0.1) * radius
             clusters.append(c)
         else:
             owner.append(-1)
@@ -132,7 +135,7 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
                 if c.taken and c.track_id is not None:
                     write(Kind.MOVED, t[e], e, c)
                 if c.taken:
-                    c.step = max(config.box_alpha, min(0.1, 1 / c.events)) * radius
+                    c.step = max(STEP, min(0.1, 1 / c.events)) * radius
                 c.taken = 0
             if not last:
                 remove(t[0] + packet_of[e + 1] * config.packet_us)

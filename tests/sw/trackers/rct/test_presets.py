@@ -24,7 +24,7 @@ from shared import SHARED
 
 def test_the_papers_tracker_stands_first() -> None:
     assert next(iter(PRESETS.items())) == ("plain", RctConfig())
-    assert not PRESETS["plain"].whole
+    assert not PRESETS["plain"].full
 
 
 def test_four_separate_discs_are_followed_without_a_switch_to_a_pixel(tmp_path: Path) -> None:

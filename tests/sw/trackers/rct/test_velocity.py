@@ -15,7 +15,7 @@ from evcot.tracks.log import Kind
 from .stories import events_of, object_at, of_kind, still, tracked
 
 FILTERED = RctConfig(radius_px=16.0, max_clusters=1, alpha=0.02, velocity_alpha=0.01)
-REGRESSION = replace(FILTERED, velocity="regression", path_points=100)
+REGRESSION = replace(FILTERED, path_points=100)
 
 
 @pytest.mark.usefixtures("kernels")
@@ -70,10 +70,3 @@ def test_two_places_say_nothing_about_velocity() -> None:
     rows = [*still(100, 100), *still(110, 100, begin_us=1_000)]
     (cluster,) = tracked(events_of(rows), replace(REGRESSION, alpha=1.0))[2]
     assert (cluster["velocity_x"], cluster["velocity_y"]) == (0, 0)
-
-
-def test_speed_has_a_limit_and_keeps_its_direction() -> None:
-    events = object_at((100, 100), (300, 400), us=(0, 500_000))
-    (cluster,) = tracked(events, replace(REGRESSION, speed_max_px_s=100.0))[2]
-    assert np.hypot(cluster["velocity_x"], cluster["velocity_y"]) == pytest.approx(100.0)
-    assert cluster["velocity_y"] / cluster["velocity_x"] == pytest.approx(4 / 3, rel=0.1)

@@ -11,32 +11,19 @@ import pytest
 
 from evcot.events import Events
 from evcot.trackers.rct.config import RctConfig
-from evcot.trackers.rct.tracker import RctTracker
 from evcot.tracks.log import Kind
 
 from .stories import events_of, kinds, object_at, of_kind, still, together, tracked
 
 PLAIN = RctConfig(radius_px=12.0, lifetime_us=20_000, packet_us=1_000)
-MASS = replace(PLAIN, visibility="mass", visible_mass=50.0, mass_tau_us=5_000.0)
-
-
-def test_mass_decays_exponentially_and_every_event_adds_one() -> None:
-    tracker = RctTracker(MASS)
-    counts = [7, 0, 3, 0, 0, 0, 12, 1]
-    tracker.feed(events_of([(1_000 * packet + i, 100, 100) for packet, n in enumerate(counts) for i in range(n)]))
-    tracker.finish()
-    decay = math.exp(-1_000 / 5_000)
-    mass = 0.0
-    for n in counts:
-        mass = mass * decay + n
-    assert tracker.clusters()["mass"].tolist() == pytest.approx([mass])
+RATE = replace(PLAIN, visible_rate_hz=5_000.0)  # a mass of 50
 
 
 def test_a_steady_rate_becomes_visible_at_its_rate_and_hides_below_the_share() -> None:
-    """1000, 3000, 1700, 1000 events/s: above 2000 it is seen, and goes on being seen until it falls below 1400."""
-    rates = (1_000, 3_000, 1_700, 1_000)
+    """10, 30, 10 and 2 events/ms: above 20 it is visible, and stays visible until it falls below 4."""
+    rates = (10_000, 30_000, 10_000, 2_000)
     parts = [object_at((100, 100), us=(i * 200_000, (i + 1) * 200_000), rate_hz=r, seed=i) for i, r in enumerate(rates)]
-    config = replace(PLAIN, visibility="rate", visible_rate_hz=2_000.0, hidden_share=0.7, mass_tau_us=50_000.0)
+    config = replace(PLAIN, visible_rate_hz=20_000.0)
     records = tracked(together(*parts), config)[0]
     (born,), (lost,) = of_kind(records, Kind.BORN), of_kind(records, Kind.LOST)
     assert 200_000 < born["t_us"] < 300_000
@@ -44,27 +31,27 @@ def test_a_steady_rate_becomes_visible_at_its_rate_and_hides_below_the_share() -
     assert records["t_us"].max() == lost["t_us"]
 
 
-def test_mass_shows_and_hides_with_hysteresis() -> None:
-    rows = [*still(100, 100, 60), *still(100, 100, 2, begin_us=4_000), *still(100, 100, 1, begin_us=15_000)]
-    records = tracked(events_of([*rows, (16_500, 100, 100)]), MASS)[0]
+def test_a_rate_shows_and_hides_with_hysteresis() -> None:
+    rows = [*still(100, 100, 60), *still(100, 100, 2, begin_us=4_000), *still(100, 100, 1, begin_us=22_000)]
+    records = tracked(events_of([*rows, (24_500, 100, 100)]), replace(RATE, lifetime_us=50_000))[0]
     assert kinds(records)[0] == Kind.BORN
     (lost,) = of_kind(records, Kind.LOST)
-    mass, packets = 60 * math.exp(-4 / 5) + 2, 5  # at 5 ms
-    while mass >= 25:
-        mass, packets = mass * math.exp(-1 / 5), packets + 1
+    mass, packets = 60 * math.exp(-4 / 10) + 2, 5  # at 5 ms
+    while mass >= 10:
+        mass, packets = mass * math.exp(-1 / 10), packets + 1
     assert (lost["t_us"], lost["event_index"]) == (1_000 * packets, 62)
 
 
 def test_what_was_hidden_comes_back_as_another_track() -> None:
-    rows = [*still(100, 100, 60), *still(100, 100, 1, begin_us=15_000), *still(100, 100, 60, begin_us=20_000), (22_000, 9, 9)]
-    records = tracked(events_of(rows), MASS)[0]
+    rows = [*still(100, 100, 60), *still(100, 100, 1, begin_us=19_500), *still(100, 100, 60, begin_us=25_000), (27_000, 9, 9)]
+    records = tracked(events_of(rows), RATE)[0]
     assert of_kind(records, Kind.BORN)["track_id"].tolist() == [0, 1]
     assert of_kind(records, Kind.LOST)["track_id"].tolist() == [0]
 
 
 def test_an_invisible_cluster_is_never_lost() -> None:
     rows = [*still(100, 100, 20), (30_000, 500, 500), (60_000, 500, 500)]
-    assert len(tracked(events_of(rows), MASS)[0]) == 0
+    assert len(tracked(events_of(rows), RATE)[0]) == 0
 
 
 def test_a_hot_pixel_is_no_cluster_where_spread_is_asked_for() -> None:
@@ -85,21 +72,12 @@ def test_spread_is_judged_again_after_every_packet() -> None:
     assert 2_000 <= records["t_us"][0] < 3_000
 
 
-def test_support_below_a_rate_ends_a_cluster_that_never_falls_silent() -> None:
-    rows = [*still(100, 100, 100, step_us=50), *still(100, 100, 40, begin_us=10_000, step_us=5_000)]
-    config = replace(PLAIN, mass_tau_us=10_000.0, support_rate_hz=500.0, visible_events=50)
-    assert len(of_kind(tracked(events_of(rows), PLAIN)[0], Kind.LOST)) == 0
-    records = tracked(events_of(rows), config)[0]
-    assert of_kind(records, Kind.LOST)["track_id"].tolist() == [0]
-    assert 10_000 < of_kind(records, Kind.LOST)["t_us"][0] < 60_000
-
-
 class TestOcclusion:
     """An object at 300 px/s is hidden from 300 to 400 ms, for 30 px."""
 
     HIDDEN = (300_000, 400_000)
     CONFIG = replace(
-        PLAIN, radius_px=10.0, velocity="regression", path_points=30, predict=1.0, lifetime_us=10_000, alpha=0.05,
+        PLAIN, radius_px=10.0, path_points=30, predict=1.0, lifetime_us=10_000, alpha=0.05,
         coast_us=150_000,
     )  # fmt: skip
 
@@ -129,9 +107,9 @@ class TestOcclusion:
         assert own["x"] == pytest.approx(100 + 300e-6 * own["t_us"], abs=6)
 
     def test_a_new_cluster_near_the_predicted_place_takes_the_track_over(self) -> None:
-        """It comes back 14 px beside its way: outside the coasting window, within the reach."""
-        assert len(self.ids(replace(self.CONFIG, coast_reach_px=25.0), bend_px=17)) == 1
-        assert len(self.ids(replace(self.CONFIG, coast_reach_px=5.0), bend_px=17)) == 2
+        """It comes back beside its way: outside the coasting window of 10 px, within and outside the reach of 20 px."""
+        assert len(self.ids(self.CONFIG, bend_px=17)) == 1
+        assert len(self.ids(self.CONFIG, bend_px=30)) == 2
 
     def test_it_is_lost_when_it_has_coasted_for_long_enough(self) -> None:
         records = tracked(self.passing(), replace(self.CONFIG, coast_us=50_000))[0]
