@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from pathlib import Path
 from types import ModuleType
 
@@ -98,6 +99,9 @@ def test_the_whole_site_has_search_and_no_dead_link(site: ModuleType, tmp_path: 
     index = (built / "searchindex.js").read_text()
     assert all(f'"docs/{page.stem}"' in index for page in (ROOT / "docs").glob("*.md"))
     assert (built / "api" / "evcot.html").is_file()
+    for guide in (ROOT / "docs" / "guides").glob("*.py"):
+        assert f'href="{guide.stem}.ipynb"' in (built / "docs" / "guides" / f"{guide.stem}.html").read_text()
+        assert json.loads((built / "docs" / "guides" / f"{guide.stem}.ipynb").read_text())["nbformat"] == 4
     for page in built.rglob("*.html"):
         if built / "api" not in page.parents:
             assert '<script src="http' not in page.read_text(), "nothing is fetched from elsewhere"

@@ -21,6 +21,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+from evcot_cosim.pages.guides import notebook, scripts
 from evcot_cosim.pages.modules import page as modules_page
 
 __all__ = ["build", "dead_links", "navigation", "stage"]
@@ -189,6 +190,7 @@ def build(folder: Path) -> Path:
     with (source / _MAIN).open("a", encoding="utf-8") as first:
         first.write(_toctrees())
     (source / _REFERENCE).write_text(_REFERENCE_TEXT, encoding="utf-8")
+    _add_notebooks(source)
     (folder / "static").mkdir()
     for name in _STATIC:
         shutil.copyfile(here / name, folder / "static" / name)
@@ -200,6 +202,16 @@ def build(folder: Path) -> Path:
     if dead:
         sys.exit("\n".join(["docs: links that lead nowhere:", *dead]))
     return site
+
+
+def _add_notebooks(source: Path) -> None:
+    """Offer every guide as a notebook, next to its page."""
+    folder = source / "extra" / "docs" / "guides"  # in the site it is docs/guides
+    folder.mkdir(parents=True)
+    for script in scripts():
+        (folder / f"{script.stem}.ipynb").write_text(notebook(script.read_text(encoding="utf-8")), encoding="utf-8")
+        with (source / "docs" / "guides" / f"{script.stem}.md").open("a", encoding="utf-8") as page:
+            page.write(f'\n<a href="{script.stem}.ipynb" download>Download this guide as a Jupyter notebook</a>\n')
 
 
 def _run(module: str, *arguments: str) -> None:

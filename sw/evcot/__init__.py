@@ -23,7 +23,7 @@ from ._stale_kernels import forget_stale_kernels as _forget_stale_kernels
 from ._stale_kernels import keep_kernels_in_cache as _keep_kernels_in_cache
 
 if TYPE_CHECKING:
-    from .api import evaluate, plot, simulate, track, tracker
+    from .api import evaluate, plot, render, simulate, track, tracker
     from .api import filter_recording as filter
     from .errors import ConfigError, EvcotError, OutputError, RecordingError, RecordingWarning, ToolchainError, TrackLogError
     from .events import Events, Recording
@@ -120,6 +120,7 @@ __all__ = [
     "read_boxes",
     "read_truth",
     "register_map",
+    "render",
     "run_config",
     "simulate",
     "track",
@@ -137,7 +138,7 @@ _forget_stale_kernels(_Path(__file__).parent)
 __getattr__, __dir__ = _lazily(
     __name__,
     {
-        "api": ("evaluate", "filter_recording as filter", "plot", "simulate", "track", "tracker"),
+        "api": ("evaluate", "filter_recording as filter", "plot", "render", "simulate", "track", "tracker"),
         "errors": (
             "ConfigError", "EvcotError", "OutputError", "RecordingError", "RecordingWarning", "ToolchainError", "TrackLogError",
         ),

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from .errors import ConfigError
+from .errors import ConfigError, RecordingError
 from .events import Events, Recording
 from .filters.config import FilterConfig
 from .metrics.of_scene import ground_truth_of
@@ -30,7 +30,7 @@ from .tracks.log import TrackLog
 from .tracks.reading import in_the_name_of, open_log
 from .tracks.tracking import Tracker, signed_log_of
 
-__all__ = ["evaluate", "filter_recording", "plot", "simulate", "track", "tracker"]
+__all__ = ["evaluate", "filter_recording", "plot", "render", "simulate", "track", "tracker"]
 
 
 def filter_recording(recording: Recording, config: FilterConfig | None = None, **settings: Any) -> Recording:
@@ -160,6 +160,44 @@ def plot(
     counts, first_us, last_us = density([recording.events], (recording.width, recording.height))
     material = Material(counts, tuple(Log(name, log) for name, log in logs.items()), first_us, last_us, first_us)
     draw(material, Path(path), tuple(panels), width_mm=width_mm, dpi=dpi, force=force)
+
+
+def render(
+    recording: Recording,
+    logs: Mapping[str, TrackLog],
+    path: Path | str,
+    *,
+    speed: float = 1.0,
+    fps: float = 30.0,
+    force: bool = False,
+) -> None:
+    """Write a film of tracks over events, as `evcot render` does.
+
+    Example:
+        evcot.render(recording, {"rct": log}, "tracks.gif", speed=0.25)
+
+    Args:
+        logs: name in the film -> track log.
+        path: of the film; its suffix chooses the format.
+        speed: seconds of the recording per second of the film.
+        fps: pictures per second of the film.
+        force: replace a file that exists.
+
+    Raises:
+        ConfigError: no such format, a missing package, or a value outside its range.
+        OutputError: the file exists, or cannot be written.
+        RecordingError: a recording without events.
+    """
+    from .pictures.films import Look, side_of
+    from .pictures.films import render as film
+
+    times_us = recording.events.t_us
+    if not len(times_us):
+        raise RecordingError(f"{recording.name}: holds no events: a film needs one at least")
+    sides = [side_of(place, name, log) for place, (name, log) in enumerate(logs.items())]
+    window = int(times_us[0]), int(times_us[-1])
+    sensor = recording.width, recording.height
+    film([recording.events], sensor, sides, path, window, Look(speed, fps), force=force)
 
 
 def simulate(scene: str, seed: int = 1, **settings: Any) -> Scene:

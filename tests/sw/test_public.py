@@ -94,6 +94,18 @@ def test_a_log_is_held_against_a_truth_however_it_is_given(scene: evcot.Scene, t
     assert evcot.evaluate(log, read_truth(csv, rule), rule) == wanted
 
 
+def test_a_film_is_written_and_refuses_a_recording_without_events(scene: evcot.Scene, tmp_path: Path) -> None:
+    log = evcot.track(scene.recording, "rct", "discs")
+    path = tmp_path / "film.gif"
+    evcot.render(scene.recording, {"rct": log}, path, fps=10)
+    assert path.read_bytes().startswith(b"GIF8")
+    with pytest.raises(evcot.OutputError, match=r"film\.gif: exists"):
+        evcot.render(scene.recording, {"rct": log}, path)
+    empty = evcot.Recording(scene.recording.events[:0], 346, 260)
+    with pytest.raises(evcot.RecordingError, match="recording: holds no events: a film needs one at least"):
+        evcot.render(empty, {"rct": log}, tmp_path / "empty.gif")
+
+
 def test_a_simulation_repeats() -> None:
     one, other = (evcot.simulate("discs", seed=seed, duration_us=50_000, count=2) for seed in (3, 3))
     assert digest(one.recording.events) == digest(other.recording.events)

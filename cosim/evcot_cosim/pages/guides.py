@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import re
 import tempfile
@@ -24,7 +25,7 @@ from PIL import Image
 from ..rtl.build import cache_dir
 from ..rtl.files import verilog_dir
 
-__all__ = ["Cell", "Guide", "alike", "cells", "guide", "pictures", "scripts"]
+__all__ = ["Cell", "Guide", "alike", "cells", "guide", "notebook", "pictures", "scripts"]
 
 _MARK = re.compile(r"^# %%(?P<markdown> \[markdown\])?$")
 _PICTURES = "guide_*.png"
@@ -83,6 +84,20 @@ def guide(script: Path) -> Guide:
     title, _, rest = body.partition("\n")
     run_it = f"*Made by `make generate`, which runs [{script.name}]({script.name}); everything printed here is what it prints.*"
     return Guide(f"{made}\n{title}\n\n{run_it}\n{rest}\n", pictures)
+
+
+def notebook(script: str) -> str:
+    """A script as a Jupyter notebook (nbformat 4.5), without outputs."""
+    made: list[dict[str, object]] = []
+    for number, cell in enumerate(cells(script)):
+        common = {"id": f"cell-{number}", "metadata": {}, "source": cell.text.splitlines(keepends=True)}
+        if cell.is_markdown:
+            made.append({"cell_type": "markdown", **common})
+        else:
+            made.append({"cell_type": "code", **common, "execution_count": None, "outputs": []})
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    metadata = {"kernelspec": kernel, "language_info": {"name": "python"}}
+    return json.dumps({"cells": made, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}, indent=1) + "\n"
 
 
 def pictures() -> dict[str, bytes]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import json
 import traceback
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from evcot_cosim.pages.guides import alike, cells, guide, scripts
+from evcot_cosim.pages.guides import alike, cells, guide, notebook, scripts
 
 SCRIPT = """\
 # SPDX-License-Identifier: Apache-2.0
@@ -80,6 +81,18 @@ def test_a_cell_that_fails_is_named_by_the_line_of_the_script(tmp_path: Path) ->
         guide(path)
     last = traceback.extract_tb(error.tb)[-1]
     assert (last.filename, last.lineno) == (str(path), 6)
+
+
+def test_a_notebook_is_nbformat_4_with_the_cells_of_the_script() -> None:
+    made = json.loads(notebook(SCRIPT))
+    assert (made["nbformat"], made["nbformat_minor"]) == (4, 5)
+    assert made["metadata"]["kernelspec"]["name"] == "python3"
+    assert [cell["cell_type"] for cell in made["cells"]] == ["markdown", "code", "code", "markdown", "code"]
+    assert made["cells"][0]["source"] == ["# A guide\n", "\n", "Its text."]
+    assert len({cell["id"] for cell in made["cells"]}) == len(made["cells"])
+    for cell in made["cells"]:
+        code = {"execution_count", "outputs"} if cell["cell_type"] == "code" else set()
+        assert set(cell) == {"id", "cell_type", "metadata", "source"} | code
 
 
 def test_another_picture_another_size_and_none_are_not_alike(tmp_path: Path) -> None:
