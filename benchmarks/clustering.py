@@ -6,7 +6,6 @@ At equal quality means: the target is the lower of the two best HOTA that mean s
 `_SLACK`; of each method, the cheapest size that reaches it is compared. Cost counts per second of recording:
 
 - evaluations of the kernel, as made; and as the equations are written, every point against every point without shortcuts;
-- arithmetic operations, as `clustering_runs` counts them;
 - CPU seconds of one thread, all included.
 """
 
@@ -21,7 +20,7 @@ import numpy as np
 
 import streams
 from clustering_runs import EVENTS, FRAMES, PIPELINE, Case, Outcome, as_written, cases, outcomes
-from evcot.trackers.mean_shift.presets import PRESETS
+from evcot.trackers.mean_shift.config import PRESETS
 from evcot.trackers.mean_shift.tracker import MeanShiftTracker
 from measure import Goal, Result, Timing, take_turns, timed
 
@@ -32,7 +31,7 @@ _PICTURE = Path(__file__).parents[1] / "docs" / "images" / "clustering.png"
 _TICKS = (0.03, 0.1, 0.3, 1.0)
 
 _SLACK = 0.02
-_HEAD = ("data", "method", "size", "HOTA", "position, px", "evaluations/s", "as written", "operations/s", "CPU s/s")
+_HEAD = ("data", "method", "size", "HOTA", "position, px", "evaluations/s", "as written", "CPU s/s", "number right")
 
 # The paper's comparison, as far as it says: packets of a few hundred events, and frames at a camera's usual rate.
 _CUSTOMARY = ((EVENTS, 300), (FRAMES, 40_000), (PIPELINE, 40_000))
@@ -63,7 +62,7 @@ def _rate(quick: bool) -> Result:
         def work() -> None:
             for begin in range(0, len(events), 1 << 16):
                 tracker.feed(events[begin : begin + (1 << 16)])
-                live.append(int(np.count_nonzero(tracker.tracks()["track_id"] >= 0)))
+                live.append(sum(track.track_id >= 0 for track in tracker.tracks()))
 
         return timed(work)
 
@@ -78,7 +77,9 @@ def _equal(every: Sequence[Outcome]) -> tuple[Outcome | None, ...]:
     best = [max(one.hota or 0.0 for one in by_method[name]) for name in (EVENTS, FRAMES)]
     target = min(best) - _SLACK
     reached = ([one for one in own if one.hota is None or one.hota >= target] for own in by_method.values())
-    return tuple(min(own, key=lambda one: one.operations, default=None) for own in reached)
+    return tuple(
+        min(own, key=lambda one: one.cpu if one.evaluations is None else one.evaluations, default=None) for own in reached
+    )
 
 
 def _of_size(own: Sequence[Outcome], method: str, size: int) -> Outcome:
@@ -95,20 +96,15 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="fewer sizes, shorter scenes, no picture")
     quick = parser.parse_args().quick
     done: dict[str, list[Outcome]] = {}
-    cost, customary, numbers = [], [], []
+    cost, customary = [], []
     for case in cases(Path("build") / "bench", quick):
         done[case.name] = list(outcomes(case, quick))
         chosen = _equal(done[case.name])
         cost += _cost_rows(case, chosen)
         customary += _cost_rows(case, [_of_size(done[case.name], *which) for which in _CUSTOMARY])
-        numbers += [_number_row(case.name, one) for one in chosen if one is not None and one.hota is not None]
         print(case.name, flush=True)
-    for title, head, rows in (
-        ("At equal quality", _HEAD, cost),
-        ("A few hundred events against 40 ms", _HEAD, customary),
-        ("Numbers", ("data", "method", "size", "tracks off", "right", "clusters off", "right"), numbers),
-    ):
-        _table(title, head, rows)
+    _table("At equal quality", _HEAD, cost)
+    _table("300 events and 40 ms", _HEAD, customary)
     if not quick:
         _draw(done)
         print(_PICTURE)
@@ -121,20 +117,16 @@ def _cost_rows(case: Case, chosen: Sequence[Outcome | None]) -> list[tuple[str, 
         if one is None:
             rows.append((case.name, name, "none reaches it", *[""] * 6))
             continue
-        costs = (one.evaluations, as_written(case, one), one.operations, one.cpu)
+        costs = (one.evaluations, as_written(case, one), one.cpu)
         shown = [("" if value is None else f"{value:.2g}" if value < 1 else f"{value:.2e}") for value in costs]
-        rows.append((case.name, name, one.label, _or(one.hota, ".3f"), _or(one.position_px, ".2f"), *shown))
+        right = _or(one.right, ".0%")
+        rows.append((case.name, name, one.label, _or(one.hota, ".3f"), _or(one.position_px, ".2f"), *shown, right))
         if name == EVENTS:
             first = costs  # type: ignore[assignment]
         elif name == FRAMES and first is not None:
             less = [f"{1 - ours / theirs:.0%}" for ours, theirs in zip(first, costs, strict=True)]  # type: ignore[operator]
-            rows.append((case.name, "saved by events", "", "", "", *less))
+            rows.append((case.name, "saved by events", "", "", "", *less, ""))
     return rows
-
-
-def _number_row(name: str, one: Outcome) -> tuple[str, ...]:
-    share = [_or(value, ".0%") for value in (one.right, one.clusters_right)]
-    return name, one.method, one.label, _or(one.off, ".2f"), share[0], _or(one.clusters_off, ".2f"), share[1]
 
 
 def _or(value: float | None, form: str) -> str:

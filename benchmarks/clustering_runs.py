@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +19,13 @@ from evcot.metrics import GroundTruth, Rule, evaluate, load_rule, read_truth
 from evcot.metrics.frames import line_up
 from evcot.recordings.files import read_recording
 from evcot.scenes import simulate_scene
-from evcot.trackers.frame_based import presets as frame_presets
+from evcot.trackers.detections.identity import Identities
+from evcot.trackers.detections.stream import DetectionTracker
+from evcot.trackers.frame_based import config as frame_presets
 from evcot.trackers.frame_based.config import FrameConfig
-from evcot.trackers.frame_based.stream import DetectionTracker
 from evcot.trackers.frame_based.tracker import FrameTracker
-from evcot.trackers.mean_shift import presets as shift_presets
+from evcot.trackers.mean_shift import config as shift_presets
+from evcot.trackers.mean_shift.clusters import POLARITY_PX
 from evcot.trackers.mean_shift.config import MeanShiftConfig
 from evcot.trackers.mean_shift.tracker import MeanShiftTracker
 from evcot.tracks.log import TrackLog
@@ -42,13 +43,7 @@ _PACKETS = (150, 300, 600, 1_200, 2_400)
 _FRAMES_US = (2_500, 5_000, 10_000, 20_000, 40_000)
 _ROUNDS = 3
 _WRITTEN_US = 240_000
-_VISIBLE_US = 20_000  # how long an object is detected before it is believed, whatever the size
-
-# Per evaluation: 4 differences, 4 squares, 3 sums, 1 comparison; the exponential's 27 (scale 1, series 19, squarings 6,
-# weight 1); 1 sum of weights; 4 weighted sums of 2 operations each.
-_EVALUATION = 12 + 27 + 1 + 8
-# Per pixel of a frame: clearing, labelling in two passes of about 4, counting.
-_PIXEL = 10
+_VISIBLE_US = 20_000  # how long an object is detected before it is visible
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,21 +69,16 @@ class Case:
 class Outcome:
     """One method with one size on one case; costs per second of recording, None where they do not apply.
 
-    `off` is the mean absolute difference of the numbers of tracks and of objects over time, `right` the part of the time at
-    which they are the same; `clusters_off`, `clusters_right` the same of what was found in single packets, not yet followed.
+    `right` is the part of the time at which the numbers of tracks and of objects are the same.
     """
 
     method: str
     size: int
     cpu: float
     evaluations: float | None
-    operations: float
     hota: float | None = None
     position_px: float | None = None
-    off: float | None = None
     right: float | None = None
-    clusters_off: float | None = None
-    clusters_right: float | None = None
 
     @property
     def label(self) -> str:
@@ -134,121 +124,90 @@ def _second_half(truth: GroundTruth, recording: Recording) -> GroundTruth:
 def outcomes(case: Case, quick: bool) -> Iterator[Outcome]:
     packets, frames_us = (_PACKETS[1::2], _FRAMES_US[::2]) if quick else (_PACKETS, _FRAMES_US)
     for size in packets:
-        yield _shifted(case, EVENTS, size, _packets(case, size))
+        yield _shifted(case, EVENTS, size)
     for size in frames_us:
-        yield _shifted(case, FRAMES, size, _frames(case, size))
+        yield _shifted(case, FRAMES, size)
     for size in frames_us:
-        config = replace(frame_presets.PRESETS[case.preset], frame_us=size, **_patience(size))
-        done = _follow(case, lambda config=config: FrameTracker(config))  # type: ignore[misc]
-        yield _outcome(case, PIPELINE, size, done, None, _pipeline_operations(case, config))
+        config = replace(frame_presets.PRESETS[case.preset], frame_us=size, visible_hits=_hits(size))
+        yield _outcome(case, PIPELINE, size, *_follow(case, lambda config=config: FrameTracker(config)))  # type: ignore[misc]
 
 
-def _shifted(case: Case, method: str, size: int, config: MeanShiftConfig) -> Outcome:
+class _PixelShift(MeanShiftTracker):
+    """Mean shift on frames: each pixel with events is one point of x, y and mean polarity."""
+
+    def __init__(self, config: MeanShiftConfig, frame_us: int) -> None:
+        super().__init__(config)
+        self._frames = FrameTracker(FrameConfig(frame_us=frame_us))
+        self._identities = Identities(config, max(20_000, 5 * frame_us // 2))
+
+    def frame_ends(self, t_us: NDArray[np.int64]) -> NDArray[np.int64]:
+        return self._frames.frame_ends(t_us)
+
+    def points(self, events: Events) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        address = events.y.astype(np.int64) << 16 | events.x
+        pixels, of_event, count = np.unique(address, return_inverse=True, return_counts=True)
+        polarity = POLARITY_PX * np.bincount(of_event, events.p) / count
+        points = np.stack((pixels & 0xFFFF, pixels >> 16, polarity, np.zeros(len(pixels))))
+        return points, np.full(len(pixels), float((events.t_us - events.t_us[0]).mean()))
+
+
+def _tracker(case: Case, method: str, size: int) -> MeanShiftTracker:
+    """A cluster has a minimum number of points that grows with the square root of the events."""
+    base = shift_presets.PRESETS[case.preset]
+    events = size if method == EVENTS else max(1, round(case.rate_hz * size * 1e-6))
+    fewest = max(4, round(base.points_min * (events / base.packet_events) ** 0.5))
+    hits = _hits(round(1e6 * events / case.rate_hz))
+    config = replace(base, packet_events=events, points_min=fewest, visible_hits=hits)
+    return MeanShiftTracker(config) if method == EVENTS else _PixelShift(config, size)
+
+
+def _hits(length_us: int) -> int:
+    """The same time for every size until an object is visible."""
+    return max(2, round(_VISIBLE_US / length_us))
+
+
+def _shifted(case: Case, method: str, size: int) -> Outcome:
     trackers: list[MeanShiftTracker] = []
 
     def make() -> MeanShiftTracker:
-        trackers.append(MeanShiftTracker(config))
+        trackers.append(_tracker(case, method, size))
         return trackers[-1]
 
-    done = _follow(case, make)
-    evaluations = trackers[-1].cost.evaluations
-    return _outcome(case, method, size, done, evaluations, evaluations * _EVALUATION)
+    return _outcome(case, method, size, *_follow(case, make), trackers[-1].evaluations)
 
 
-def _packets(case: Case, events: int) -> MeanShiftConfig:
-    base = shift_presets.PRESETS[case.preset]
-    fewest = max(4, round(base.points_min * (events / base.packet_events) ** 0.5))
-    length_us = round(1e6 * events / case.rate_hz)
-    return replace(base, packet_events=events, points_min=fewest, **_patience(length_us))
+def _follow(case: Case, make: Callable[[], DetectionTracker]) -> tuple[TrackLog, float]:
+    """The log, and CPU seconds: the median of `_ROUNDS`."""
+    logs, cpu_s = [], []
+    for _ in range(_ROUNDS):
+        tracker = make()
+        took = timed(lambda tracker=tracker: logs.append(track_recording("clustering", tracker, case.recording)))  # type: ignore[misc]
+        cpu_s.append(took.cpu_s)
+    return logs[-1], median(cpu_s)
 
 
-def _frames(case: Case, frame_us: int) -> MeanShiftConfig:
-    """With as many points for a cluster as a packet of as many events would ask for."""
-    alike = _packets(case, max(1, round(case.rate_hz * frame_us * 1e-6)))
-    return replace(alike, source="frames", frame_us=frame_us)
-
-
-def _patience(length_us: int) -> dict[str, Any]:
-    """The same time for every size: to be believed, and to be seen again until then."""
-    return {"visible_hits": max(2, round(_VISIBLE_US / length_us)), "candidate_us": max(_VISIBLE_US, round(2.5 * length_us))}
-
-
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """A log, how many objects were found in each packet, by the packet's last event, and how long it took."""
-
-    log: TrackLog
-    t_us: NDArray[np.int64]
-    found: NDArray[np.int64]
-    cpu_s: float
-
-
-def _follow(case: Case, make: Callable[[], DetectionTracker]) -> Followed:
-    rounds = [_once(case, make()) for _ in range(_ROUNDS)]
-    return replace(rounds[-1], cpu_s=median(done.cpu_s for done in rounds))
-
-
-def _once(case: Case, tracker: DetectionTracker) -> Followed:
-    times, counts = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
-    detect = tracker.detect
-
-    def counting(events: Events, frames: NDArray[np.void]) -> NDArray[np.void]:
-        found = detect(events, frames)
-        times.append(events.t_us[frames["end"] - 1])
-        counts.append(frames["found_end"] - frames["found"])
-        return found
-
-    tracker.detect = counting
-    logs: list[TrackLog] = []
-    took = timed(lambda: logs.append(track_recording("clustering", tracker, case.recording)))
-    return Followed(logs[0], np.concatenate(times), np.concatenate(counts), took.cpu_s)
-
-
-def _outcome(case: Case, method: str, size: int, done: Followed, evaluations: int | None, operations: float) -> Outcome:
-    a_second = Outcome(
-        method,
-        size,
-        done.cpu_s / case.seconds,
-        None if evaluations is None else evaluations / case.seconds,
-        operations / case.seconds,
-    )
+def _outcome(case: Case, method: str, size: int, log: TrackLog, cpu_s: float, evaluations: int | None = None) -> Outcome:
+    a_second = None if evaluations is None else evaluations / case.seconds
+    outcome = Outcome(method, size, cpu_s / case.seconds, a_second)
     if case.truth is None or case.rule is None:
-        return a_second
-    scores = evaluate(done.log, case.truth, case.rule)
-    outputs = sampled(done.log.record_runs(), case.truth.instants_us, case.rule.max_age_us)
+        return outcome
+    scores = evaluate(log, case.truth, case.rule)
+    outputs = sampled(log.record_runs(), case.truth.instants_us, case.rule.max_age_us)
     frames, _, _ = line_up(outputs, case.truth, case.rule)
     objects, tracks = (np.array([len(own) for own in which]) for which in (frames.truth, frames.tracks))
-    latest = np.searchsorted(done.t_us, case.truth.instants_us, "right") - 1
-    clusters = np.where(latest >= 0, done.found[latest], 0)
-    # Where the rule ignores regions, what is found there cannot be told from the rest before it is followed.
-    known = not case.rule.ignore
-    return replace(
-        a_second,
-        hota=scores.hota,
-        position_px=scores.position_error_px_median,
-        off=float(np.abs(tracks - objects).mean()),
-        right=float((tracks == objects).mean()),
-        clusters_off=float(np.abs(clusters - objects).mean()) if known else None,
-        clusters_right=float((clusters == objects).mean()) if known else None,
-    )
-
-
-def _pipeline_operations(case: Case, config: FrameConfig) -> float:
-    """Sums of both passes of the median and maxima of both passes of the link, a line of pixels each, and `_PIXEL`."""
-    filters = 2 * config.median_px + 1 + 2 * (config.link_px + 1)
-    frames = case.recording.duration_us / config.frame_us
-    return frames * case.recording.width * case.recording.height * (filters + _PIXEL)
+    right = float((tracks == objects).mean())
+    return replace(outcome, hota=scores.hota, position_px=scores.position_error_px_median, right=right)
 
 
 def as_written(case: Case, one: Outcome) -> float | None:
-    """Evaluations per second of every shift against every point, nothing folded; None where there is no kernel.
+    """Evaluations per second of every shift with every point, nothing joined; None where there is no kernel.
 
     Over `_WRITTEN_US` in the middle of the recording: without shortcuts it takes long.
     """
     if one.method == PIPELINE:
         return None
-    config = (_packets if one.method == EVENTS else _frames)(case, one.size)
-    tracker = MeanShiftTracker(replace(config, fold_px=0.0))
+    tracker = _tracker(case, one.method, one.size)
+    tracker.fold_px = 0.0
     begin_us = case.recording.duration_us // 2
     track_recording("clustering", tracker, case.recording.window(begin_us, begin_us + _WRITTEN_US))
-    return tracker.cost.pairs / (_WRITTEN_US * 1e-6)
+    return tracker.pairs / (_WRITTEN_US * 1e-6)

@@ -5,8 +5,6 @@ Ratios are CPU times of the Rectangular Cluster Tracker without and with each of
 medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with at most 4 and 32 clusters, then all options on.
 
 - `_nrt`: False: no reference counting in a function that owns no array: 1.11, 1.17, 1.09, 1.35.
-- `forceinline`: a function that is called for each event and takes a tracker's whole state, thirty tables, would have them
-  copied for each call: 1.7 to 3.2 in a tracker with a state of that size.
 - `trailing_zeros`: one instruction, instead of the documented way by the exponent of a float: 1.06, 1.04, 1.04, 1.01.
 - `no_cpython_wrapper`, `no_cfunc_wrapper`: no wrapper for calls from Python, which saves a third of the compile time. With
   them the golden model of cot_array is compiled in 3.6 s instead of 5.6 and 1.03 times as fast, that of cot_motion 1.08.
@@ -27,7 +25,7 @@ from numba import njit, types
 from numba.cpython.unsafe.numbers import trailing_zeros
 from numba.np import linalg
 
-__all__ = ["inlined_step", "njit", "step", "trailing_zeros"]
+__all__ = ["njit", "step", "trailing_zeros"]
 
 _INSIDE: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -36,11 +34,6 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 def step(function: _Function) -> _Function:
     """Compile a function that is called only by compiled functions, and owns no array."""
     return cast(_Function, _once(njit(cache=True, nogil=True, **_INSIDE)(function)))
-
-
-def inlined_step(function: _Function) -> _Function:
-    """As `step`, but compiled into each function that calls it, however long it is."""
-    return cast(_Function, _once(njit(cache=True, nogil=True, forceinline=True, **_INSIDE)(function)))
 
 
 def _once(dispatcher: Any) -> Any:

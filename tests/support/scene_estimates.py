@@ -16,8 +16,3 @@ MIXED = Estimates(
     (346, 260), 4_000_000, 800_000, 0.01, ((3, 4),), 4, 7, Objects(spread(16, 2), spread(20, 2), spread(60, 3), spread(80))
 )
 ALIKE = replace(MIXED, objects=Objects(spread(9), spread(9), spread(120), spread(150)))
-
-
-def objects_of(seen: Estimates, **changes: Spread) -> Estimates:
-    assert seen.objects is not None
-    return replace(seen, objects=replace(seen.objects, **changes))

@@ -107,10 +107,6 @@ def _records() -> Diagram:
 _RESPONSES = {0: "OKAY", 2: "SLVERR"}
 
 
-def _letters(word: int) -> str:
-    return word.to_bytes(4, "big").decode()
-
-
 def _registers() -> Trace:
     """axi_lite_regs with one slot, a while after reset."""
     sim = load("axi_lite_regs", {"N": 1, "HAS": 0})

@@ -28,8 +28,6 @@ from .task import FUZZ, Input, Task, canonical
 
 __all__ = ["Invalid", "Plan", "Planner", "points_of"]
 
-_MOTION_TIME_W = 32  # bits of a time, at least
-
 
 @dataclass(frozen=True)
 class Invalid:

@@ -97,15 +97,15 @@ def _adaptive() -> _Parts:
 
 
 def _mean_shift() -> _Parts:
-    from .mean_shift import presets, tracker
+    from .mean_shift import config, tracker
 
-    return _Parts(presets.PRESETS, _software(lambda settings, *_: tracker.MeanShiftTracker(settings)))
+    return _Parts(config.PRESETS, _software(lambda settings, *_: tracker.MeanShiftTracker(settings)))
 
 
 def _frames() -> _Parts:
-    from .frame_based import presets, tracker
+    from .frame_based import config, tracker
 
-    return _Parts(presets.PRESETS, _software(lambda settings, *_: tracker.FrameTracker(settings)))
+    return _Parts(config.PRESETS, _software(lambda settings, *_: tracker.FrameTracker(settings)))
 
 
 def _golden(module: Module) -> _Parts:
@@ -135,8 +135,8 @@ ENGINES: dict[str, Engine] = {
     **{module: Engine(title, partial(_golden, module)) for module, title in _GOLDEN.items()},
     "adaptive": Engine("objects by motion, with settings estimated from the stream", _adaptive),
     "rct": Engine("Rectangular Cluster Tracker", _rct),
-    "mean-shift": Engine("mean shift on packets of events", _mean_shift),
-    "frames": Engine("connected components of frames", _frames),
+    "mean-shift": Engine("baseline: mean shift on packets of events", _mean_shift),
+    "frames": Engine("baseline: connected components of frames", _frames),
 }
 
 DEFAULT = DEFAULT_MODULE

@@ -194,7 +194,7 @@ def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.Capt
         ("--engine frames --preset cars", "--preset cars: must be one of discs, traffic with --engine frames"),
         (
             "--engine mean-shift --preset x",
-            "--preset x: must be one of discs, discs-frames, traffic, traffic-frames with --engine mean-shift",
+            "--preset x: must be one of discs, traffic with --engine mean-shift",
         ),
         ("--engine frames --preset disc", "--preset disc: must be one of discs, traffic with --engine frames"),
         ("--engine cot_array --preset plain", "--preset plain: must be one of slow"),

@@ -11,16 +11,16 @@ import pytest
 import evcot
 from evcot.hardware.modules import MODULES
 from evcot.trackers.adaptive import kernel as adaptive
+from evcot.trackers.detections import identity
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.frame_based import kernel as frame_based
 from evcot.trackers.mean_shift import clusters as mean_shift
 from evcot.trackers.rct import kernel as rct
 
 LOOPS: dict[str, Any] = {
     "adaptive": adaptive.feed,
     "rct": rct.feed,
-    "mean-shift": mean_shift.group,
-    "frames": frame_based.follow,
+    "mean-shift": mean_shift.event_points,
+    "frames": identity.own,
 }
 
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The classical pipeline on accumulated frames: median filter, connected components, optimal assignment."""
+"""A baseline: median filter, connected components and optimal assignment on accumulated frames."""

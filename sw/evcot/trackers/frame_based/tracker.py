@@ -1,47 +1,75 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The classical frame-based tracker: events of `frame_us` are accumulated, filtered, grouped and tracked.
+"""The frame pipeline: pixels with events in `frame_us`, median filter, connected components, bounding boxes, tracks.
 
-`detection` finds the objects in a frame, `identity` tracks them across frames.
+In the log `radius` is half the mean side of the object's box, `n_ev` its pixels in the frame, `support` those in all frames.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
-from ...events import Events, Recording
-from ...tracks.log import TrackLog
-from ...tracks.tracking import track_recording
+from ...errors import RecordingError
+from ...events import Events
+from ..detections.identity import DETECTION
+from ..detections.stream import DetectionTracker
 from .config import FrameConfig
-from .detection import detect
-from .framing import Framing
-from .kernel import DETECTION
-from .stream import DetectionTracker
 
-__all__ = ["FrameTracker", "track"]
+__all__ = ["FrameTracker", "detect"]
+
+_PIXELS_MAX = 1 << 26
+_EIGHT = np.ones((3, 3), bool)
 
 
 class FrameTracker(DetectionTracker):
-    """The frame pipeline as a stream; frames count from the first event."""
+    """The frame pipeline as a stream; frames count from the first event, and frames without events are skipped."""
 
     def __init__(self, config: FrameConfig) -> None:
+        # A new object is dropped unless it is found again within two and a half frames.
+        super().__init__(config, max(20_000, 5 * config.frame_us // 2))
         self.config = config
-        super().__init__(config, Framing(config.frame_us), self._objects)
+        self._first_us: int | None = None
 
-    def _objects(self, events: Events, frames: NDArray[np.void]) -> NDArray[np.void]:
-        parts = [detect(events[frame["begin"] : frame["end"]], self.config) for frame in frames]
-        frames["found_end"] = np.cumsum([len(part) for part in parts])
-        frames["found"][1:] = frames["found_end"][:-1]
-        return np.concatenate([np.empty(0, DETECTION), *parts])
+    def frame_ends(self, t_us: NDArray[np.int64]) -> NDArray[np.int64]:
+        """See `DetectionTracker.frame_ends`."""
+        if self._first_us is None:
+            self._first_us = int(t_us[0])
+        return np.flatnonzero(np.diff((t_us - self._first_us) // self.config.frame_us)) + 1
+
+    def detect(self, events: Events) -> NDArray[np.void]:
+        """See `detect`."""
+        return detect(events, self.config)
 
 
-def track(recording: Recording, config: FrameConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Run the frame pipeline over a recording, or over a selection of its events.
+def detect(events: Events, config: FrameConfig) -> NDArray[np.void]:
+    """Detect the objects in one or more events of a frame: (d,) of dtype `DETECTION`.
 
-    Args:
-        keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
+    The median filter keeps a pixel if most of the square around it is set. Components are 8-connected, and pieces at most
+    `link_px` apart in x and in y are joined. An object's centre, width and height are those of its box, its radius is half the
+    mean side; `n` is its number of pixels.
 
-    In the log `radius` is half the mean side of the object's box, `n_ev` its pixels in the frame, and `support` those in all
-    frames.
+    Raises:
+        RecordingError: the events span more than 2^26 pixels.
     """
-    return track_recording("frames", FrameTracker(config), recording, keep)
+    margin_px = config.median_px // 2 + config.link_px
+    left, top = int(events.x.min()) - margin_px, int(events.y.min()) - margin_px
+    width, height = int(events.x.max()) + margin_px + 1 - left, int(events.y.max()) + margin_px + 1 - top
+    if width * height > _PIXELS_MAX:
+        raise RecordingError(f"frame from t = {events.t_us[0]} us: spans {width}x{height} pixels: must be at most 2^26 in all")
+    image = np.zeros((height, width), np.uint8)
+    image[events.y.astype(np.int64) - top, events.x.astype(np.int64) - left] = 1
+    if config.median_px > 1:
+        image = ndimage.median_filter(image, config.median_px, mode="constant")
+    # Each piece grows right and down by half the gap, left and up by the rest, so that exactly the gap is closed.
+    labels, _ = ndimage.label(ndimage.maximum_filter(image, config.link_px + 1, mode="constant"), _EIGHT)
+    labels[image == 0] = 0
+    area = np.bincount(labels[image > 0])
+    after_us = float((events.t_us - events.t_us[0]).mean())
+    found = []
+    for label, box in enumerate(ndimage.find_objects(labels), 1):
+        if area[label] >= config.area_min_px:
+            (y0, y1), (x0, x1) = ((side.start, side.stop) for side in box)
+            centre = left + (x0 + x1 - 1) / 2, top + (y0 + y1 - 1) / 2
+            found.append((*centre, (x1 - x0 + y1 - y0) / 4, x1 - x0, y1 - y0, after_us, area[label]))
+    return np.array(found, DETECTION)

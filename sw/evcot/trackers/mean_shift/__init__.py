@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mean shift clustering of events in packets, and of frames: the paper's equations 1 and 2."""
+"""A baseline: mean shift clustering of events in packets, by the paper's equations 1 and 2."""

@@ -1,72 +1,41 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiled clustering of a frame's events: points, their modes, and fusion of modes to clusters."""
+"""Compiled clustering of a packet's events: points, their modes, and fusion of modes to clusters."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..frame_based.kernel import DETECTION
-from .kernel import Cost, Iteration, converge
+from ..detections.identity import DETECTION
+from .kernel import converge
 
-__all__ = ["Coordinates", "event_points", "fuse", "group", "pixel_points"]
+__all__ = ["POLARITY_PX", "cluster", "event_points", "fuse"]
 
 Table = NDArray[Any]
+
+POLARITY_PX = 2.0  # distance of the two polarities
+_TIME_PX = 2.0  # distance of a current and a very old event
+_TAU_US = 10_000.0  # time constant with which an event ages
 
 _WINDOW = 1.5  # half a cluster's side, in standard deviations of its points: from a filled square's 1.7 to an outline's 1.2
 _BEYOND = 0.05  # share of a cluster's points beyond each side of its box
 
 
-class Coordinates(NamedTuple):
-    """The settings of `config.MeanShiftConfig` that define points and clusters."""
-
-    polarity_px: float
-    time_px: float
-    tau_us: float
-    fuse_px: float
-    points_min: int
-
-
 @njit(cache=True, nogil=True)
-def event_points(ts: Table, xs: Table, ys: Table, ps: Table, scale: Coordinates) -> tuple[Table, Table]:
+def event_points(ts: Table, xs: Table, ys: Table, ps: Table) -> tuple[Table, Table]:
     """Points of n events: (4, n) x, y, p, f in pixels, f by the time before the last event; and (n,) us after the first."""
     n = len(ts)
     points, after_us = np.empty((4, n)), np.empty(n)
     for e in range(n):
         points[0, e] = xs[e]
         points[1, e] = ys[e]
-        points[2, e] = scale.polarity_px * ps[e]
-        points[3, e] = scale.time_px * np.exp((ts[e] - ts[-1]) / scale.tau_us)
+        points[2, e] = POLARITY_PX * ps[e]
+        points[3, e] = _TIME_PX * np.exp((ts[e] - ts[-1]) / _TAU_US)
         after_us[e] = ts[e] - ts[0]
     return points, after_us
-
-
-@njit(cache=True, nogil=True)
-def pixel_points(ts: Table, xs: Table, ys: Table, ps: Table, scale: Coordinates) -> tuple[Table, Table]:
-    """Points of n pixels with events: (4, n) x, y, mean polarity, 0; and (n,) the mean time of all events after the first,
-    since a frame has no finer timing."""
-    address = np.empty(len(ts), np.int64)
-    mean_us = 0.0
-    for e in range(len(ts)):
-        address[e] = np.int64(ys[e]) << 16 | np.int64(xs[e])
-        mean_us += (ts[e] - ts[0]) / len(ts)
-    order = np.argsort(address, kind="mergesort")
-    points = np.zeros((4, len(ts)))
-    n = 0
-    fired = 0
-    for k in range(len(order)):
-        e = order[k]
-        if k == 0 or address[e] != address[order[k - 1]]:
-            points[0, n] = xs[e]
-            points[1, n] = ys[e]
-            n += 1
-            fired = 0
-        fired += 1
-        points[2, n - 1] += (scale.polarity_px * ps[e] - points[2, n - 1]) / fired
-    return points[:, :n].copy(), np.full(n, mean_us)
 
 
 @njit(cache=True, nogil=True)
@@ -106,64 +75,38 @@ def _side_px(places: Table) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _describe(points: Table, after_us: Table, cluster: Table, n: int, points_min: int, out: Table, at: int) -> int:
-    """Write the clusters with enough points to `out` from index `at` on; returns the index after the last."""
+def cluster(
+    points: Table, after_us: Table, bandwidth_px: float, fold_px: float, points_min: int
+) -> tuple[Table, int, int]:  # fmt: skip
+    """Cluster (4, n) points with their times; returns (d,) `DETECTION`, and both numbers of evaluations of `converge`.
+
+    Modes at most one bandwidth apart are one cluster.
+    """
+    mode_of, modes, evaluations, pairs = converge(points, bandwidth_px, fold_px)
+    member, n = fuse(mode_of, modes, bandwidth_px)
     sums = np.zeros((n, 5))
-    for i in range(len(cluster)):
-        row = sums[cluster[i]]
+    for i in range(len(member)):
+        row = sums[member[i]]
         x, y = points[0, i], points[1, i]
         row[0] += 1.0
         row[1] += x
         row[2] += y
         row[3] += x * x + y * y
         row[4] += after_us[i]
-    begin = np.zeros(n + 1, np.int64)
-    begin[1:] = np.cumsum(sums[:, 0])
-    ordered = np.argsort(cluster, kind="mergesort")
+    found = np.zeros(n, DETECTION)
+    d = 0
     for k in range(n):
         count = sums[k, 0]
         if count < points_min:
             continue
         x, y = sums[k, 1] / count, sums[k, 2] / count
-        found = out[at]
-        found.x = x
-        found.y = y
-        found.radius = _WINDOW * np.sqrt(max(sums[k, 3] / count - x * x - y * y, 0.0) / 2.0)
-        own = ordered[begin[k] : begin[k + 1]]
-        found.width = _side_px(points[0][own])
-        found.height = _side_px(points[1][own])
-        found.after_us = sums[k, 4] / count
-        found.n = np.int64(count)
-        at += 1
-    return at
-
-
-@njit(cache=True, nogil=True)
-def group(
-    rules: Iteration, scale: Coordinates, of_pixels: bool, ts: Table, xs: Table, ys: Table, ps: Table, frames: Table,
-) -> tuple[Table, Cost]:  # fmt: skip
-    """Cluster each frame independently, and set its range of clusters in `frames`; returns (d,) `DETECTION` and the cost."""
-    out = np.zeros(64, DETECTION)
-    points_all = shifts = iterations = evaluations = pairs = 0
-    at: Any = np.int64(0)  # no constant, for which Numba would compile `_describe` once more
-    for frame in frames:
-        part = slice(frame.begin, frame.end)
-        if of_pixels:
-            points, after_us = pixel_points(ts[part], xs[part], ys[part], ps[part], scale)
-        else:
-            points, after_us = event_points(ts[part], xs[part], ys[part], ps[part], scale)
-        mode_of, modes, cost = converge(rules, points, np.ones(points.shape[1]))
-        points_all += cost.points
-        shifts += cost.shifts
-        iterations += cost.iterations
-        evaluations += cost.evaluations
-        pairs += cost.pairs
-        cluster, n = fuse(mode_of, modes, scale.fuse_px)
-        while at + n > len(out):
-            more = np.zeros(2 * len(out), DETECTION)
-            more[:at] = out[:at]
-            out = more
-        frame.found = at
-        at = _describe(points, after_us, cluster, n, scale.points_min, out, at)
-        frame.found_end = at
-    return out[:at], Cost(points_all, shifts, iterations, evaluations, pairs)
+        one = found[d]
+        one.x = x
+        one.y = y
+        one.radius = _WINDOW * np.sqrt(max(sums[k, 3] / count - x * x - y * y, 0.0) / 2.0)
+        one.width = _side_px(points[0][member == k])
+        one.height = _side_px(points[1][member == k])
+        one.after_us = sums[k, 4] / count
+        one.n = np.int64(count)
+        d += 1
+    return found[:d], evaluations, pairs

@@ -10,55 +10,29 @@ all points at once: positions are compared with the original ones, polarity and 
 
 Optimisations:
 
-- K is 0 beyond `cutoff` bandwidths. Points are stored in strips of that height, sorted by x within a strip, so that the
-  neighbours of a position are in three runs. Each sum omits less than exp(-cutoff^2 / 2) per point.
-- K within the cutoff is a polynomial with an error below 1e-13.
-- A point that moves no farther than the tolerance has converged and is not computed again.
+- K is 0 beyond three bandwidths. Points are stored in strips of that height, sorted by x within a strip, so that the
+  neighbours of a position are in three runs. Each sum omits less than exp(-9 / 2) per point.
+- K within three bandwidths is a polynomial with an error below 1e-13.
+- A point that moves by no more than h / 40 has converged and is not computed again.
 - Points in one cell of the four-dimensional grid of `fold_px` are joined to one trajectory at their mean: events of one pixel
   before the first iteration, and later all points that meet.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..._numba_private import step
-
-__all__ = ["Cost", "Iteration", "converge"]
+__all__ = ["converge"]
 
 Table = NDArray[Any]
 
-
-class Iteration(NamedTuple):
-    """The settings of `config.MeanShiftConfig` for the iteration."""
-
-    bandwidth_px: float
-    cutoff: float
-    tolerance_px: float
-    max_iterations: int
-    fold_px: float
-
-
-class Cost(NamedTuple):
-    """Computational cost of a clustering.
-
-    Attributes:
-        points: number of points clustered.
-        shifts: moves of trajectories: iterations, summed over trajectories.
-        iterations: iterations until the last trajectory of a packet converged, summed over packets.
-        evaluations: kernel evaluations made.
-        pairs: evaluations without a cutoff: every shift with every original point.
-    """
-
-    points: int
-    shifts: int
-    iterations: int
-    evaluations: int
-    pairs: int
+_CUTOFF = 3.0  # bandwidths
+_TOLERANCE = 1 / 40  # bandwidths
+_ITERATIONS_MAX = 50
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
@@ -84,12 +58,8 @@ def _sums(
         e = 1.0 + v * (1 / 3) * e
         e = 1.0 + v * (1 / 2) * e
         e = 1.0 + v * e
-        e = e * e
-        e = e * e
-        e = e * e
-        e = e * e
-        e = e * e
-        e = e * e
+        for _ in range(6):
+            e = e * e
         e = e * w[j] if d2 <= reach else 0.0
         s_w += e
         s_x += e * x[j]
@@ -142,71 +112,47 @@ def _fold(z: Table, weight: Table, moving: Table, side: float, into: Table) -> i
 @njit(cache=True, nogil=True)
 def _in_strips(z: Table, top: float, height_px: float) -> tuple[Table, Table]:
     """The order of points by strip of y and then by x, and the index at which each strip begins."""
-    n = z.shape[1]
-    strip = np.empty(n, np.int64)
-    for i in range(n):
-        strip[i] = np.int64((z[1, i] - top) / height_px)
-    begin = np.zeros(strip.max() + 2, np.int64)
-    for i in range(n):
-        begin[strip[i] + 1] += 1
-    for s in range(len(begin) - 1):
-        begin[s + 1] += begin[s]
-    # x first, then, without disturbing it, the strip.
-    by_x = np.argsort(z[0], kind="mergesort")
-    free = begin.copy()
-    order = np.empty(n, np.int64)
-    for i in by_x:
-        order[free[strip[i]]] = i
-        free[strip[i]] += 1
-    return order, begin
-
-
-@step
-def _after(x: Table, begin: int, end: int, limit: float) -> int:
-    """Index of the first of x[begin:end], ascending, that is not below a limit."""
-    while begin < end:
-        middle = (begin + end) >> 1
-        if x[middle] < limit:
-            begin = middle + 1
-        else:
-            end = middle
-    return begin
+    strip = ((z[1] - top) / height_px).astype(np.int64)
+    order = np.argsort(z[0], kind="mergesort")
+    order = order[np.argsort(strip[order], kind="mergesort")]
+    return order, np.searchsorted(strip[order], np.arange(strip.max() + 2))
 
 
 @njit(cache=True, nogil=True)
-def converge(rules: Iteration, points: Table, weights: Table) -> tuple[Table, Table, Cost]:
+def converge(points: Table, bandwidth_px: float, fold_px: float) -> tuple[Table, Table, int, int]:
     """Move points to their modes.
 
     Args:
         points: (4, n) x, y, p, f in pixels; n at least 1.
-        weights: (n,) above 0.
+        bandwidth_px: h.
+        fold_px: side of the cells in which points are joined; 0 for never.
 
     Returns:
-        (n,) int64, the trajectory of each point; (4, m) the final positions of the trajectories; and the cost.
+        (n,) int64, the trajectory of each point; (4, m) the final positions of the trajectories; kernel evaluations made; and
+        evaluations without a cutoff, of every moving trajectory with every original point.
     """
-    n = len(weights)
-    z, weight = points.copy(), weights.copy()
+    n = points.shape[1]
+    z, weight = points.copy(), np.ones(n)
     moving = np.ones(n, np.bool_)
     mode_of = np.arange(n)
     into = np.empty(n, np.int64)
-    m = _fold(z, weight, moving, rules.fold_px, mode_of) if rules.fold_px > 0.0 else n
+    m = _fold(z, weight, moving, fold_px, mode_of) if fold_px > 0.0 else n
 
-    reach_px = rules.cutoff * rules.bandwidth_px
-    narrow, reach = 0.5 / rules.bandwidth_px**2, reach_px * reach_px
+    reach_px = _CUTOFF * bandwidth_px
+    tolerance_px = _TOLERANCE * bandwidth_px
+    narrow, reach = 0.5 / bandwidth_px**2, reach_px * reach_px
     top = z[1, :m].min()
     order, strips = _in_strips(z[:, :m], top, reach_px)
     x, y, w = z[0][order], z[1][order], weight[order]
-    p, f = np.empty(m), np.empty(m)
     source = order.copy()  # the trajectory of each of these
     originals = m
 
-    shifts = iterations = evaluations = 0
+    shifts = evaluations = iterations = 0
     going = True
-    while going and iterations < rules.max_iterations:
+    while going and iterations < _ITERATIONS_MAX:
         going = False
         iterations += 1
-        for j in range(originals):
-            p[j], f[j] = z[2, source[j]], z[3, source[j]]
+        p, f = z[2][source], z[3][source]
         for i in range(m):
             if not moving[i]:
                 continue
@@ -215,8 +161,9 @@ def converge(rules: Iteration, points: Table, weights: Table) -> tuple[Table, Ta
             s_w = s_x = s_y = s_p = s_f = 0.0
             strip: Any = np.int64((at[1] - top) / reach_px)
             for s in range(max(strip - 1, 0), min(strip + 2, len(strips) - 1)):
-                begin = _after(x, strips[s], strips[s + 1], at[0] - reach_px)
-                end = _after(x, begin, strips[s + 1], at[0] + reach_px)
+                run = x[strips[s] : strips[s + 1]]
+                begin = strips[s] + np.searchsorted(run, at[0] - reach_px)
+                end = strips[s] + np.searchsorted(run, at[0] + reach_px)
                 if begin < end:
                     a, b, c, d, e = _sums(x, y, p, f, w, begin, end, at[0], at[1], at[2], at[3], narrow, reach)
                     s_w += a
@@ -229,14 +176,11 @@ def converge(rules: Iteration, points: Table, weights: Table) -> tuple[Table, Ta
             if s_w > 0.0:
                 to_x, to_y, to_p, to_f = s_x / s_w, s_y / s_w, s_p / s_w, s_f / s_w
                 way = (to_x - at[0]) ** 2 + (to_y - at[1]) ** 2 + (to_p - at[2]) ** 2 + (to_f - at[3]) ** 2
-                moving[i] = way > rules.tolerance_px * rules.tolerance_px
+                moving[i] = way > tolerance_px * tolerance_px
                 going |= moving[i]
                 # p and f of others are read from the copies that were made before: this point may change at once.
                 at[0], at[1], at[2], at[3] = to_x, to_y, to_p, to_f
-        if rules.fold_px > 0.0 and going:
-            m = _fold(z[:, :m], weight[:m], moving[:m], rules.fold_px, into[:m])
-            for j in range(originals):
-                source[j] = into[source[j]]
-            for j in range(n):
-                mode_of[j] = into[mode_of[j]]
-    return mode_of, z[:, :m].copy(), Cost(n, shifts, iterations, evaluations, shifts * originals)
+        if fold_px > 0.0 and going:
+            m = _fold(z[:, :m], weight[:m], moving[:m], fold_px, into[:m])
+            source, mode_of = into[source], into[mode_of]
+    return mode_of, z[:, :m].copy(), evaluations, shifts * originals

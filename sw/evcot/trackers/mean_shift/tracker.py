@@ -1,78 +1,71 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mean shift clustering of events in packets, or of pixels in frames, with tracking across them.
+"""Mean shift clustering of events in packets, with tracking across them.
 
-Each packet is clustered independently (`kernel` moves its points to their modes, `clusters` fuses the modes to clusters), and
-clusters are tracked by optimal assignment (`evcot.trackers.frame_based.identity`).
+Each packet is clustered independently: `kernel` moves its points to their modes, `clusters` fuses the modes to clusters.
+In the log `radius` is half the side of the cluster's window, `n_ev` its events in the packet, `support` those in all packets.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from ...events import Events, Recording
-from ...tracks.log import TrackLog
-from ...tracks.tracking import track_recording
-from ..frame_based.framing import Framing
-from ..frame_based.stream import DetectionTracker
-from .clusters import Coordinates, group
+from ...events import Events
+from ..detections.stream import DetectionTracker
+from .clusters import cluster, event_points
 from .config import MeanShiftConfig
-from .kernel import Cost, Iteration
 
-__all__ = ["MeanShiftTracker", "track"]
+__all__ = ["MeanShiftTracker"]
+
+_PACKET_US = 20_000  # longest packet
+_CANDIDATE_US = 20_000
 
 
 class MeanShiftTracker(DetectionTracker):
-    """Streaming tracker by mean shift clustering."""
+    """Streaming tracker by mean shift clustering.
+
+    Attributes:
+        fold_px: side of the cells in which points are joined on their way; 0 for never.
+        evaluations: kernel evaluations so far.
+        pairs: evaluations if every moving point were compared with every point of its packet.
+    """
 
     def __init__(self, config: MeanShiftConfig) -> None:
+        super().__init__(config, _CANDIDATE_US)
         self.config = config
-        self._rules = Iteration(
-            bandwidth_px=float(config.bandwidth_px),
-            cutoff=float(config.cutoff),
-            tolerance_px=float(config.tolerance_px),
-            max_iterations=config.max_iterations,
-            fold_px=float(config.fold_px),
-        )
-        self._scale = Coordinates(
-            polarity_px=float(config.polarity_px),
-            time_px=float(config.time_px),
-            tau_us=float(config.tau_us),
-            fuse_px=float(config.fuse_px),
-            points_min=config.points_min,
-        )
-        self._of_pixels = config.source == "frames"
-        self._cost = Cost(0, 0, 0, 0, 0)
-        self._frames = 0
-        framing = Framing(config.frame_us) if self._of_pixels else Framing(config.packet_us, config.packet_events)
-        super().__init__(config, framing, self._clusters)
+        self.fold_px = config.bandwidth_px / 4
+        self.evaluations = self.pairs = 0
 
-    @property
-    def cost(self) -> Cost:
-        """Computational cost of the clustering so far."""
-        return self._cost
+    def frame_ends(self, t_us: NDArray[np.int64]) -> NDArray[np.int64]:
+        """See `DetectionTracker.frame_ends`: a packet ends with its last event, or before one that comes too late for it."""
+        return _packet_ends(t_us, self.config.packet_events)
 
-    @property
-    def packets(self) -> int:
-        """Number of packets, or frames, so far."""
-        return self._frames
+    def points(self, events: Events) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """See `clusters.event_points`."""
+        return event_points(events.t_us, events.x, events.y, events.p)
 
-    def _clusters(self, events: Events, frames: NDArray[np.void]) -> NDArray[np.void]:
-        events = events.read_only()
-        columns = events.t_us, events.x, events.y, events.p
-        found, cost = group(self._rules, self._scale, self._of_pixels, *columns, frames)
-        self._cost = Cost(*(before + now for before, now in zip(self._cost, cost, strict=True)))
-        self._frames += len(frames)
-        return np.asarray(found)
+    def detect(self, events: Events) -> NDArray[np.void]:
+        """Cluster a packet."""
+        points, after_us = self.points(events)
+        rules = float(self.config.bandwidth_px), float(self.fold_px), self.config.points_min
+        found, evaluations, pairs = cluster(points, after_us, *rules)
+        self.evaluations += evaluations
+        self.pairs += pairs
+        return found
 
 
-def track(recording: Recording, config: MeanShiftConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Cluster and track the events of a recording, or a selection of them.
-
-    Args:
-        keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
-
-    In the log `radius` is half the side of the cluster's window, `n_ev` its points in the packet, and `support` those in all
-    packets.
-    """
-    return track_recording("mean-shift", MeanShiftTracker(config), recording, keep)
+@njit(cache=True, nogil=True)
+def _packet_ends(ts: NDArray[Any], packet_events: int) -> NDArray[np.int64]:
+    ends = np.empty(len(ts), np.int64)
+    n = begin = 0
+    for e in range(len(ts)):
+        if ts[e] - ts[begin] >= _PACKET_US:
+            ends[n] = begin = e
+            n += 1
+        if e + 1 - begin == packet_events:
+            ends[n] = begin = e + 1
+            n += 1
+    return ends[:n]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Objects in one frame."""
+"""Frames, and the objects in one of them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.trackers.frame_based.config import FrameConfig
-from evcot.trackers.frame_based.detection import detect
+from evcot.trackers.frame_based.tracker import FrameTracker, detect
 
 PLAIN = FrameConfig(median_px=1, link_px=0, area_min_px=1)
 
@@ -25,72 +25,42 @@ def events(*parts: np.ndarray) -> Events:  # type: ignore[type-arg]
 
 
 def objects(found: np.ndarray) -> set[tuple[float, ...]]:  # type: ignore[type-arg]
-    return {tuple(row) for row in found[["x", "y", "radius", "n"]].tolist()}
+    return {tuple(row) for row in found[["x", "y", "radius", "width", "height", "n"]].tolist()}
 
 
-def test_an_object_is_its_box_and_its_pixels() -> None:
-    assert objects(detect(events(block(0, 0, 5, 3), block(20, 30, 4, 4)), PLAIN)) == {
-        (2.0, 1.0, 2.0, 15),
-        (21.5, 31.5, 2.0, 16),
-    }
+def test_frames_count_from_the_first_event_and_empty_frames_are_skipped() -> None:
+    t_us = np.array([1005, 1014, 1016, 1024, 1025, 1059, 1064, 1065])
+    assert FrameTracker(FrameConfig(frame_us=10)).frame_ends(t_us).tolist() == [2, 4, 5, 7]
 
 
-def test_an_object_has_the_sides_of_its_box() -> None:
-    found = detect(events(block(0, 0, 5, 3), block(20, 30, 4, 9)), PLAIN)
-    assert found[["width", "height"]].tolist() == [(5.0, 3.0), (4.0, 9.0)]
+def test_an_object_is_its_box_and_its_pixels_at_the_mean_time() -> None:
+    found = detect(events(block(0, 0, 5, 3), block(20, 30, 4, 4)), PLAIN)
+    assert objects(found) == {(2.0, 1.0, 2.0, 5.0, 3.0, 15), (21.5, 31.5, 2.0, 4.0, 4.0, 16)}
+    assert found["after_us"].tolist() == [15.0, 15.0]
 
 
 def test_pixels_count_once_and_touch_by_their_corners() -> None:
     diagonal = np.array([[7, 8, 9, 9, 9], [7, 8, 9, 9, 9]])
-    assert objects(detect(events(diagonal), PLAIN)) == {(8.0, 8.0, 1.5, 3)}
+    assert objects(detect(events(diagonal), PLAIN)) == {(8.0, 8.0, 1.5, 3.0, 3.0, 3)}
 
 
 @pytest.mark.parametrize(("link_px", "objects_expected"), [(2, 2), (3, 1), (4, 1)])
-def test_pieces_are_one_across_a_gap_of_link_px(link_px: int, objects_expected: int) -> None:
+def test_pieces_are_joined_across_a_gap_of_link_px(link_px: int, objects_expected: int) -> None:
     for first, second in ((block(0, 0, 3, 3), block(6, 0, 3, 3)), (block(0, 0, 3, 3), block(0, 6, 3, 3))):
         config = FrameConfig(median_px=1, link_px=link_px, area_min_px=1)
         assert len(detect(events(first, second), config)) == objects_expected
 
 
-def test_the_median_takes_out_what_is_alone_and_rounds_corners() -> None:
+def test_the_median_removes_single_pixels_and_rounds_corners() -> None:
     config = FrameConfig(median_px=3, link_px=0, area_min_px=1)
     noise = np.array([[40, 60, 61], [40, 3, 4]])
-    assert objects(detect(events(block(10, 10, 5, 5), noise), config)) == {(12.0, 12.0, 2.5, 21)}
+    assert objects(detect(events(block(10, 10, 5, 5), noise), config)) == {(12.0, 12.0, 2.5, 5.0, 5.0, 21)}
+    assert len(detect(events(noise), config)) == 0
 
 
-def test_objects_too_small_or_too_large_are_none() -> None:
-    config = FrameConfig(median_px=1, link_px=0, area_min_px=4, area_max_px=9)
-    scene = events(block(0, 0, 3, 1), block(10, 0, 2, 2), block(20, 0, 3, 3), block(30, 0, 5, 2))
-    assert objects(detect(scene, config)) == {(10.5, 0.5, 1.0, 4), (21.0, 1.0, 1.5, 9)}
-    assert len(detect(events(block(0, 0, 1, 1)), config)) == 0
-
-
-def test_time_is_the_mean_of_the_frame() -> None:
-    assert detect(events(block(0, 0, 3, 3)), PLAIN)["after_us"].tolist() == [4.0]
-
-
-def test_like_components_found_by_flooding() -> None:
-    random = np.random.default_rng(3)
-    image = random.random((40, 50)) < 0.3
-    y, x = np.nonzero(image)
-    found = detect(events(np.stack((x, y))), FrameConfig(median_px=1, link_px=0, area_min_px=1))
-    assert sorted(found["n"].tolist()) == sorted(flooded(image))
-
-
-def flooded(image: np.ndarray) -> list[int]:  # type: ignore[type-arg]
-    """Areas of the 8-connected components."""
-    left = set(zip(*np.nonzero(image), strict=True))
-    areas = []
-    while left:
-        edge, area = [left.pop()], 0
-        while edge:
-            y, x = edge.pop()
-            area += 1
-            around = {(y + dy, x + dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)} & left
-            left -= around
-            edge += around
-        areas.append(area)
-    return areas
+def test_small_objects_are_discarded() -> None:
+    config = FrameConfig(median_px=1, link_px=0, area_min_px=4)
+    assert objects(detect(events(block(0, 0, 3, 1), block(10, 0, 2, 2)), config)) == {(10.5, 0.5, 1.0, 2.0, 2.0, 4)}
 
 
 def test_a_frame_that_spans_too_many_pixels_is_refused() -> None:
