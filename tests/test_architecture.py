@@ -32,7 +32,7 @@ ROOMS = {
 WINGS = (
     "evcot.anomalies", "evcot.pictures.films", "evcot_cosim.live", "evcot_cosim.pages", "evcot_cosim.fpga", "evcot_cosim.sweep",
 )  # fmt: skip
-DOORS = ("evcot_cosim.commands", "evcot_cosim.cli", "evcot_cosim.__main__")
+DOORS = ("evcot.api", "evcot_cosim.commands", "evcot_cosim.cli", "evcot_cosim.__main__")
 
 
 def sources() -> dict[str, Path]:
