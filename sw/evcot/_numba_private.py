@@ -2,10 +2,10 @@
 """All uses of Numba's undocumented interfaces; pyproject.toml pins Numba to versions that have them.
 
 Ratios are CPU times of the Rectangular Cluster Tracker without and with each of them, for 1 M events of four discs on 346x260,
-medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with at most 4 and 32 clusters, then all options on.
+medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with at most 4 and 32 clusters.
 
-- `_nrt`: False: no reference counting in a function that owns no array: 1.11, 1.17, 1.09, 1.35.
-- `trailing_zeros`: one instruction, instead of the documented way by the exponent of a float: 1.06, 1.04, 1.04, 1.01.
+- `_nrt`: False: no reference counting in a function that owns no array: 1.11, 1.17.
+- `trailing_zeros`: one instruction, instead of the documented way by the exponent of a float: 1.06, 1.04.
 - `no_cpython_wrapper`, `no_cfunc_wrapper`: no wrapper for calls from Python, which saves a third of the compile time. With
   them the golden model of cot_array is compiled in 3.6 s instead of 5.6 and 1.03 times as fast, that of cot_motion 1.08.
 - `get_call_template`: a call with a constant compiles the function for its type, and not once more for the constant: 69 instead

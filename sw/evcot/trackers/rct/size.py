@@ -17,8 +17,8 @@ _YOUNG_STEP = 0.1  # the same for the first ten events: a box then has half its 
 _MIX, _YOUNG_MIX = 0.01, 0.2
 _SCALES = (0.05, 20.0)  # limits of the perspective's scale: windows stay finite at the vanishing row
 _BOX_MIN_PX = 1.0  # a pixel
-# A window of dynamic size is this many times as large as a filled object, so that it can grow: above 1 / (1 - 2 q), the inverse
-# of the share of the object that its box covers.
+# A window of dynamic size is this many times as large as a filled object: above 1, so that it sees events beyond its box
+# and can grow; below 2, so that it does not hold a neighbour.
 _MARGIN = 1.4
 _GROWTH = (1.0 / 3.0, 4.0)  # limits of a dynamic size, in sizes of a new window
 
@@ -34,7 +34,7 @@ def _scale(rules: Any, y: float) -> Any:
 
 @step
 def set_mixing(cluster: Any) -> None:
-    """Compute the mixing factors that depend on the window's size, and on the number of events."""
+    """Compute what depends on the number of events and on the window's size: mixing factor and steps."""
     young = 1.0 / max(1.0, float(cluster.before + cluster.packet_events))
     cluster.mix = max(_MIX, min(_YOUNG_MIX, 2.0 * young))
     set_steps(cluster)
