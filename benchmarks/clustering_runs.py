@@ -23,7 +23,7 @@ from evcot.trackers.detections.identity import Identities
 from evcot.trackers.detections.stream import DetectionTracker
 from evcot.trackers.frame_based import config as frame_presets
 from evcot.trackers.frame_based.config import FrameConfig
-from evcot.trackers.frame_based.tracker import FrameTracker
+from evcot.trackers.frame_based.tracker import FrameTracker, candidate_us
 from evcot.trackers.mean_shift import config as shift_presets
 from evcot.trackers.mean_shift.clusters import POLARITY_PX
 from evcot.trackers.mean_shift.config import MeanShiftConfig
@@ -138,7 +138,7 @@ class _PixelShift(MeanShiftTracker):
     def __init__(self, config: MeanShiftConfig, frame_us: int) -> None:
         super().__init__(config)
         self._frames = FrameTracker(FrameConfig(frame_us=frame_us))
-        self._identities = Identities(config, max(20_000, 5 * frame_us // 2))
+        self._identities = Identities(config, candidate_us(frame_us))
 
     def frame_ends(self, t_us: NDArray[np.int64]) -> NDArray[np.int64]:
         return self._frames.frame_ends(t_us)

@@ -36,7 +36,7 @@ _WINDOW_US = 10_000
 _PACKET_US = 1_000
 _GROWTH = 1.05
 # Everything on that costs time per event or per packet.
-_FULL = replace(PRESETS["discs"], box_quantile=0.05, dynamic_size=True, surround=1.3, vanishing_y_px=-1e4, reference_y_px=130.0)
+_FULL = replace(PRESETS["discs"], dynamic_size=True, surround=1.3, vanishing_y_px=-1e4, reference_y_px=130.0)
 
 
 def measure(folder: Path, quick: bool) -> Iterator[Result]:

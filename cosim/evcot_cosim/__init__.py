@@ -61,9 +61,9 @@ _NAMES = {
     "devices.device": ("Device", "build_device"),
     "lockstep.lockstep": ("Lockstep", "Step", "dump_window"),
     "lockstep.mismatch": ("Mismatch", "MismatchError"),
-    "rtl.build": ("load",),
     "lockstep.run_file": ("RunFile", "Source", "read_run_file"),
     "report.artifacts": ("write_mismatch", "write_run"),
+    "rtl.build": ("load",),
 }
 
 

@@ -70,8 +70,11 @@ def cosim(
         MismatchError: hardware and model differ.
         ConfigError, RecordingError, ToolchainError.
     """
-    origin = None if isinstance(source, Recording) else Source.named(str(source))
-    recording = source if isinstance(source, Recording) else Source.named(str(source)).read()
+    if isinstance(source, Recording):
+        recording, origin = source, None
+    else:
+        origin = Source.named(str(source))
+        recording = origin.read()
     if config is None:
         config = _config(recording, preset, hardware, slots)
     elif preset is not None or hardware is not None or slots is not None:

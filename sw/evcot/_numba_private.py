@@ -9,7 +9,7 @@ medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with 
 - `no_cpython_wrapper`, `no_cfunc_wrapper`: no wrapper for calls from Python, which saves a third of the compile time. With
   them the golden model of cot_array is compiled in 3.6 s instead of 5.6 and 1.03 times as fast, that of cot_motion 1.08.
 - `get_call_template`: a call with a constant compiles the function for its type, and not once more for the constant: 69 instead
-  of 79 functions and 1.10 of the compile time for this tracker, 94 instead of 104 and 1.07 for `auto`.
+  of 79 functions and 1.10 of the compile time for this tracker, 94 instead of 104 and 1.07 for `adaptive`.
 - `ensure_blas`: Numba imports `scipy.linalg` before its first kernel, to see whether `np.dot` will have a BLAS, and again where
   a kernel uses it. Only the latter is done: `evcot info` takes 0.4 s of CPU instead of 0.7.
 """

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,7 @@ def test_a_recording_in_memory_is_saved_with_its_run_and_repeated(recording: evc
     assert main(["cosim", "--config", "run/run.toml", "-o", "again", "-q", "--no-waves"]) == 0
     assert same("run", "again")
     run.save("run", waves=False)  # its own files are replaced
+    replace(run, source=evcot_cosim.Source("boxes", is_scene=True)).save("boxes", waves=False)  # no file
 
 
 def test_an_output_is_no_input_and_no_other_s_folder(recording: evcot.Recording) -> None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from pyverilator import PyVerilator
 
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
+from evcot.hardware.modules import Module as Tracker
 from evcot.hardware.published.model import PublishedConfig, decode
 from evcot.hardware.streams import pack_events
 from evcot.ticks import TickedEvents
@@ -56,7 +57,7 @@ def clocks(module: Module, n: int | None) -> int | None:
 def _to_record(module: Module, n: int | None) -> int:
     now_and_then = np.zeros(_APART, np.uint8)
     now_and_then[0] = 1
-    device = Device(_last_of(n or 1, module.top, tick_w=1), stalls=Stalls(source=now_and_then))
+    device = Device(_last_of(n or 1, cast(Tracker, module.top), tick_w=1), stalls=Stalls(source=now_and_then))
     still = np.full(_EVENTS, _PLACE, np.uint16)
     events = TickedEvents(np.arange(1, _EVENTS + 1), still, still, np.zeros(_EVENTS, np.uint8))
     decisions, times = device.stream_timed(events)
@@ -64,10 +65,10 @@ def _to_record(module: Module, n: int | None) -> int:
     return int(np.median(times.recorded - times.accepted[cause]))
 
 
-def _last_of(n_slots: int, module: str = "cot_array", **shape: int) -> CotConfig:
+def _last_of(n_slots: int, module: Tracker = "cot_array", **shape: int) -> CotConfig:
     """Register settings with only the last slot enabled."""
     off = replace(_SLOT, mode=Mode.OFF)
-    return CotConfig(Shape(n_slots=n_slots, **shape), (*(off,) * (n_slots - 1), _SLOT), module=cast(Any, module))
+    return CotConfig(Shape(n_slots=n_slots, **shape), (*(off,) * (n_slots - 1), _SLOT), module=module)
 
 
 def _to_beat(module: Module, n: int | None) -> int:

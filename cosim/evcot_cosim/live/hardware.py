@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from evcot.errors import ConfigError, ToolchainError
+from evcot.errors import ToolchainError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.golden import GoldenTracker
@@ -26,13 +26,13 @@ _BLOB_EVENTS = 4_000
 def hardware_beside(config: CotConfig | MotionConfig, sensor: Sensor) -> Beside:
     """The module with this configuration; compiled where that has not been done, which takes 10 to 60 s.
 
-    The golden model decides as the RTL does, bit for bit. It is there from the start where the RTL has not these rules or
-    cannot be compiled here, and takes over, beginning anew, when events come faster than the simulation takes them.
+    The golden model decides as the RTL does, bit for bit. It is there from the start where the RTL
+    cannot be compiled, and takes over, beginning anew, when events come faster than the simulation takes them.
     """
     warm_up(GoldenTracker(config), sensor)
     try:
         tracker = DeviceTracker(config, model=build_device(config, waves=False))
-    except (ConfigError, ToolchainError) as error:
+    except ToolchainError as error:
         return Beside(HARDWARE, f"{_MODEL}; {error}", GoldenTracker(config))
     return Beside(HARDWARE, _RTL, tracker, (_MODEL, lambda: GoldenTracker(config)))
 

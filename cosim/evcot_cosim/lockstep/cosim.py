@@ -35,6 +35,7 @@ from .mismatch import Mismatch
 from .run_file import Source
 
 __all__ = [
+    "NEAR_PX",
     "CosimRun",
     "check_addresses",
     "check_addresses_of",
@@ -47,7 +48,7 @@ __all__ = [
     "stalls_from",
 ]
 
-_NEAR_PX = 12.0  # of cot_motion and the adaptive tracker, whose windows have no size of their own
+NEAR_PX = 12.0  # of cot_motion and the adaptive tracker, whose windows have no size of their own
 
 
 @dataclass(frozen=True)
@@ -132,18 +133,18 @@ def run_cosim(
         check_silence(events.t_us, config.hardware)
     except RecordingError as error:
         raise RecordingError(f"{recording.name}: {error}") from error
-    cot = config.device_config(recording.width, recording.height)
+    device_config = config.device_config(recording.width, recording.height)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
     sensor = recording.width, recording.height
-    hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
+    hardware, model = _LogParts(device_config, t0_us), _LogParts(device_config, t0_us)
     with ThreadPoolExecutor(2, "build") as builds:
-        built = builds.submit(build_device, cot, waves=False, on_miss=building)
+        built = builds.submit(build_device, device_config, waves=False, on_miss=building)
         if waves:
-            builds.submit(build_device, cot)  # an error comes again when the waveform is written
+            builds.submit(build_device, device_config)  # an error comes again when the waveform is written
         compile_kernels(events[:1], sensor, config)
         build = built.result()
-    with Lockstep(cot, stalls=stalls, seed=stall_seed, model=build) as lockstep:
+    with Lockstep(device_config, stalls=stalls, seed=stall_seed, model=build) as lockstep:
         for chunk in chunks(events):
             first = lockstep.events
             step = lockstep.feed(chunk)
@@ -182,11 +183,11 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
 
     If the hardware violated its stream protocol in that chunk, its log has no records of it, and -1 for the owners.
     """
-    cot, t0_us = config.device_config(recording.width, recording.height), int(recording.events.t_us[0])
-    clock = TickCounter(cot.tick_us)
-    device = Device(cot, stalls=stalls_from(found.seed))
-    golden = golden_model(cot)
-    hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
+    device_config, t0_us = config.device_config(recording.width, recording.height), int(recording.events.t_us[0])
+    clock = TickCounter(device_config.tick_us)
+    device = Device(device_config, stalls=stalls_from(found.seed))
+    golden = golden_model(device_config)
+    hardware, model = _LogParts(device_config, t0_us), _LogParts(device_config, t0_us)
     first = 0
     for chunk in chunks(recording.events):
         ticked = clock.count(chunk)
@@ -234,7 +235,7 @@ def near_px(config: RunConfig) -> float:
     if config.software == "rct":
         return config.rct.radius_px
     if isinstance(config.hardware, MotionConfig):
-        return _NEAR_PX
+        return NEAR_PX
     slot = config.hardware.slots[0]
     return float(slot.init_radix + slot.radix_th)
 

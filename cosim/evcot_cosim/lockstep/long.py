@@ -101,8 +101,8 @@ def run_long(
     with source.opened() as file:
         sensor, name = file.sensor, file.name
         check_addresses_of(sensor, config.hardware, name)
-        cot = config.device_config(*sensor)
-        build = build_device(cot, waves=False, savable=True, on_miss=building)
+        device_config = config.device_config(*sensor)
+        build = build_device(device_config, waves=False, savable=True, on_miss=building)
         state: dict[str, Any] = work.state or {}
         tallies = state.get("tallies") or (Tally(), Tally())
         logs = [LogSpool(work.folder, side, state.get(side, (0, 0))) for side in ("hardware", "software")]
@@ -117,13 +117,14 @@ def run_long(
             nonlocal software_s
             assert begin_us is not None
             made_of.add(chunk)
-            _keep(logs[0], tallies[0], to_track_records(decided.records, cot, chunk.t_us, first, begin_us), decided.owner)
+            records = to_track_records(decided.records, device_config, chunk.t_us, first, begin_us)
+            _keep(logs[0], tallies[0], records, decided.owner)
             started = time.perf_counter()
             _keep(logs[1], tallies[1], *software.feed(chunk))
             software_s += time.perf_counter() - started
 
         with (
-            Lockstep(cot, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep,
+            Lockstep(device_config, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep,
             _Beside() as beside,
         ):
             if at:
@@ -157,7 +158,7 @@ def run_long(
             beside.wait()
             _keep(logs[1], tallies[1], software.finish(), np.empty(0, np.int16))
             cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
-    for log, engine in zip(logs, (cot.module, config.software), strict=True):
+    for log, engine in zip(logs, (device_config.module, config.software), strict=True):
         log.engine, log.recording = engine, made_of.hex()
     assert begin_us is not None
     return LongRun(

@@ -233,8 +233,6 @@ def read_run_file(path: Path) -> RunFile | None:
         raise ConfigError(f"{path}: [run] must be a table, not {run!r}")
     for key, value in run.items():
         kind = wanted.get(key)
-        if key == "hardware":
-            raise ConfigError(f"{path}: [run]: hardware: must stand at the top of the file, before all tables")
         if kind is None:
             raise ConfigError(f"{path}: [run]: unknown field {key!r}: must be one of {', '.join(sorted(wanted))}")
         if type(value).__name__ != str(kind).removesuffix(" | None") or (type(value) is int and value < 0):

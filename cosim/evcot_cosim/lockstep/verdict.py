@@ -248,7 +248,7 @@ def _easier_birth(side: str, summary: Mapping[str, Any]) -> str:
     """What to do about objects without a track."""
     hardware = _hardware(summary)
     if side in ("hardware", "model") and hardware.get("module") == "cot_motion":
-        now = hardware["registers"]["detect_ticks"]
+        now = hardware.get("registers", {}).get("detect_ticks")
         how = f"detect_ticks in [motion] of run.toml above {now}, then `evcot cosim --config run.toml`"
         return f"allow more time for the first events of a faint object ({how})"
     return _register(side, summary, "clust_nev", "require fewer events for a birth", "below")

@@ -75,7 +75,7 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
 def save_run(run: CosimRun, folder: Path, *, waves: bool = True) -> dict[str, Any]:
     """See `CosimRun.save`."""
     check_folder(folder, "cosim", run_names())
-    if run.source is not None and Path(run.source.recording).resolve().is_relative_to(folder.resolve()):
+    if run.source and not run.source.is_scene and Path(run.source.recording).resolve().is_relative_to(folder.resolve()):
         raise OutputError(f"{folder}: holds {run.source.recording}, which the run has read: must be another folder")
     source = run.source or Source(str(folder.absolute() / _RECORDING))
     made_of = RunFile(source, run.seed, digest(run.recording.events), run.config)

@@ -15,6 +15,7 @@ from evcot.metrics.quality import Quality
 from evcot.tracks.compare import Agreement, compare
 from evcot.tracks.log import TrackLog
 
+from ..lockstep.cosim import NEAR_PX
 from ..lockstep.verdict import Verdict, verdict_from, verdict_of
 from .facts import figure, flat, percent
 from .material import PAIR, Comparison, Material, Side
@@ -70,7 +71,7 @@ def _verdict(recording: Recording, run: Run) -> Verdict:
 def _agreement(recording: Recording, a: Run, b: Run) -> Agreement:
     t_us = recording.events.t_us
     slots = [run.summary.get("config", {}).get("hardware", {}).get("slots", [{}])[0] for run in (a, b)]
-    reach_px = max((slot["init_radix"] + slot["radix_th"] for slot in slots if slot), default=12)
+    reach_px = max((slot["init_radix"] + slot["radix_th"] for slot in slots if slot), default=NEAR_PX)
     return compare(
         a.hardware, b.hardware, radius_px=float(reach_px), span_us=(int(t_us[0]), int(t_us[-1])) if len(t_us) else None
     )

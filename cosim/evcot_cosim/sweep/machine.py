@@ -22,16 +22,8 @@ __all__ = ["Machine", "check_same", "code_fingerprint", "content_of", "probe"]
 Machine = Mapping[str, Any]
 """What `probe` says of a worker: host, versions, code, and contents: path -> digest, empty where it cannot be read."""
 
-_MODULES = (
-    "checkpoints",
-    "configure",
-    "cost",
-    "execute",
-    "fields",
-    "inputs",
-    "places",
-    "task",
-)  # by which a result could change
+# Modules of this folder by which a result could change.
+_MODULES = ("checkpoints", "configure", "cost", "execute", "fields", "inputs", "places", "task")
 _BLOCK = 1 << 22
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ SPARE_RECORDS = 4096  # in the buffer of the compiled loop, beside those of two 
 UNSET_US = -(1 << 62)  # a time before all events
 
 
-class CompiledTracker:
+class CompiledTracker(ABC):
     """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
 
     Besides the returned arrays, memory is constant. A tracker that derives from it defines how its compiled loop continues
@@ -38,13 +39,13 @@ class CompiledTracker:
         self._run = run
         self._buffer = np.zeros(2 * records_per_packet + SPARE_RECORDS, TRACK)
 
+    @abstractmethod
     def _continue(self, events: Events, begin: int, owner: NDArray[np.int16]) -> int:
         """Track events from `begin` on until all are done or the buffer could overflow; returns the number done."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _close(self, t_us: int) -> None:
         """Close the open packet at `t_us`."""
-        raise NotImplementedError
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """Track a run of events.

@@ -211,43 +211,46 @@ def run_config_from(data: Mapping[str, Any], base: RunConfig, folder: Path) -> R
 def _hardware(data: Mapping[str, Any], base: CotConfig | MotionConfig) -> CotConfig | MotionConfig:
     """The hardware's configuration: that of the base, or the default one of another contract, with what the tables change."""
     module = _module_of(data) or base.module
-    if "hardware" not in data and module == "cot_array" and isinstance(base, CotConfig):
-        module = base.module  # of which these may be the registers as well
-    if (module == "cot_motion") != isinstance(base, MotionConfig):
-        base = MotionConfig() if module == "cot_motion" else CotConfig()
-    shape_table = _section(_table(data, "shape", "top level"), _names(Shape), "[shape]")
-    if isinstance(base, MotionConfig):
-        for name in ("cot", "slot"):
-            if name in data:
-                raise ConfigError(f"[{name}]: must not be given for cot_motion, whose registers stand in [motion]")
-        shape = replace(base.shape, **shape_table)
-        own = dict(_table(data, "motion", "top level"))
-        if "enable" in own:
-            raise ConfigError('[motion]: enable: there is no such register any more: hardware = "cot_motion" names the module')
-        tick_us, modes = own.pop("tick_us", base.tick_us), own.pop("modes", None)
-        if modes is None:
-            modes = (base.modes + base.modes[-1:] * shape.n_slots)[: shape.n_slots]
-        elif not isinstance(modes, list) or not all(type(mode) is int for mode in modes):
-            raise ConfigError(f"[motion]: modes = {modes!r}: must be a list of 0 (off) or 2 (seeded), one per slot")
-        registers = replace(base.registers, **_section(own, _names(MotionRegisters), "[motion]"))
-        return replace(base, shape=shape, registers=registers, tick_us=tick_us, modes=tuple(modes))
+    if module == "cot_motion":
+        return _motion_hardware(data, base if isinstance(base, MotionConfig) else MotionConfig())
+    if not isinstance(base, CotConfig):
+        base = CotConfig()
+    elif "hardware" not in data:
+        module = base.module  # registers alone fit cot, cot_chain and cot_array
+    return _cot_hardware(data, base, module)
+
+
+def _motion_hardware(data: Mapping[str, Any], base: MotionConfig) -> MotionConfig:
+    for name in ("cot", "slot"):
+        if name in data:
+            raise ConfigError(f"[{name}]: must not be given for cot_motion, whose registers stand in [motion]")
+    shape = replace(base.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
+    own = dict(_section(_table(data, "motion", "top level"), _names(MotionRegisters) | {"tick_us", "modes"}, "[motion]"))
+    tick_us, modes = own.pop("tick_us", base.tick_us), own.pop("modes", None)
+    if modes is None:
+        modes = (base.modes + base.modes[-1:] * shape.n_slots)[: shape.n_slots]
+    elif not isinstance(modes, list) or not all(type(mode) is int for mode in modes):
+        raise ConfigError(f"[motion]: modes = {modes!r}: must be a list of 0 (off) or 2 (seeded), one per slot")
+    return replace(base, shape=shape, registers=replace(base.registers, **own), tick_us=tick_us, modes=tuple(modes))
+
+
+def _cot_hardware(data: Mapping[str, Any], base: CotConfig, module: str) -> CotConfig:
     if "motion" in data:
         raise ConfigError(f"[motion]: must not be given for {module}, whose registers stand in [cot] and [[slot]]")
-    base = with_module(base, module)
-    assert isinstance(base, CotConfig)
-    shape = replace(base.shape, **shape_table)
+    named = with_module(base, module)
+    assert isinstance(named, CotConfig)
+    shape = replace(named.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
     cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
-    tick_us = cot.pop("tick_us", base.tick_us)
-    template = base.slots
+    tick_us, template = cot.pop("tick_us", named.tick_us), named.slots
     slots = [replace(template[min(i, len(template) - 1)], **cot) for i in range(shape.n_slots)]
-    own_slots = data.get("slot", [])
-    if not isinstance(own_slots, list) or not all(isinstance(entry, Mapping) for entry in own_slots):
+    own = data.get("slot", [])
+    if not isinstance(own, list) or not all(isinstance(entry, Mapping) for entry in own):
         raise ConfigError("[[slot]] must be a list of tables")
-    if len(own_slots) > shape.n_slots:
-        raise ConfigError(f"[[slot]] occurs {len(own_slots)} times: must be at most shape.n_slots = {shape.n_slots}")
-    for i, entry in enumerate(own_slots):
+    if len(own) > shape.n_slots:
+        raise ConfigError(f"[[slot]] occurs {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
+    for i, entry in enumerate(own):
         slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
-    return CotConfig(shape, tuple(slots), tick_us, module=base.module)
+    return CotConfig(shape, tuple(slots), tick_us, module=named.module)
 
 
 def _software_filters(base: RunConfig, data: Mapping[str, Any], folder: Path) -> FilterConfig | None:

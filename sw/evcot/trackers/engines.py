@@ -91,9 +91,9 @@ def _rct() -> _Parts:
 
 
 def _adaptive() -> _Parts:
-    from .adaptive import estimates, presets
+    from .adaptive import config, estimates
 
-    return _Parts(presets.PRESETS, _software(estimates.ObservedTracker))
+    return _Parts(config.PRESETS, _software(estimates.ObservedTracker))
 
 
 def _mean_shift() -> _Parts:

@@ -104,11 +104,11 @@ def _discs() -> RunConfig:
 
 # Those that differ from the reset values were found by a search over many kinds of scenes (docs/defaults.md).
 _REGISTERS = MotionRegisters(
-        step_log2=12, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, friction=5, coast_slow=2, nev_high=325,
-        ring_max=21, ring_any=2, elongation=3, detect_ticks=7_521, life_log2=2, life_ticks=40_000, coast_ticks=93_951,
-        return_ticks=500_000, birth_support=260, birth_px=2, birth_ticks=12_000, birth_travel=2, gap_corrections=15,
-        gap_share=9, gap_px=3, join_steps=2, join_px=3, report_steps=1,
-    )  # fmt: skip
+    step_log2=12, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, friction=5, coast_slow=2, nev_high=325,
+    ring_max=21, ring_any=2, elongation=3, detect_ticks=7_521, life_log2=2, life_ticks=40_000, coast_ticks=93_951,
+    return_ticks=500_000, birth_support=260, birth_px=2, birth_ticks=12_000, birth_travel=2, gap_corrections=15,
+    gap_share=9, gap_px=3, join_steps=2, join_px=3, report_steps=1,
+)  # fmt: skip
 
 MOTION = RunConfig(
     "motion",

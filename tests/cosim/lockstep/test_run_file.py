@@ -117,7 +117,7 @@ def test_a_configuration_alone_is_no_run(tmp_path: Path) -> None:
         ("[run]\nrecording = 'boxes'\nfrom_us = -1", r"run\.from_us = -1: must be a whole number, not negative"),
         ("[run]\nrecording = 'boxes'\nstalls = true", r"run\.stalls = True: must be a whole number"),
         ("[run]\nrecording = 'boxes'\nskip_damaged = 1", r"run\.skip_damaged = 1: must be true or false"),
-        ("[run]\nrecording = 'boxes'\nhardware = 'cot'", r"\[run\]: hardware: must stand at the top of the file"),
+        ("[run]\nrecording = 'boxes'\nhardware = 'cot'", r"\[run\]: unknown field 'hardware'"),
         ("hardware = 'gpu'", r"hardware = 'gpu': must be one of cot, cot_chain, cot_array, cot_motion"),
     ],
 )

@@ -83,7 +83,7 @@ def picture_times(window: tuple[int, int], look: Look) -> NDArray[np.int64]:
     step_us = 1e6 * look.speed / look.fps
     count = int(np.ceil((window[1] - window[0]) / step_us)) + 1
     if count > _PICTURES_MAX:
-        raise ConfigError(f"{count} pictures: must be at most {_PICTURES_MAX}: a shorter part, or more --speed, has fewer")
+        raise ConfigError(f"{count} pictures: must be at most {_PICTURES_MAX}: a shorter part, or a higher speed, has fewer")
     times_us: NDArray[np.int64] = np.round(window[0] + step_us * np.arange(count)).astype(np.int64)
     return times_us
 

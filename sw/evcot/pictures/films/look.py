@@ -37,4 +37,4 @@ class Look:
         for name, (low, high) in _RANGES.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                raise ConfigError(f"--{name.split('_')[0]} {value:g}: must be from {low:g} to {high:g}")
+                raise ConfigError(f"{name} = {value:g}: must be from {low:g} to {high:g}")

@@ -17,9 +17,9 @@ from ..._numba_private import step
 from ...bits import BYTES, bits_between, count
 from ...filters.noise import MANY_EMPTY, median_pixels, rate_of
 from .layout import CELL_BITS, INSIDE, LEVELS, NOBODY, Rules, World
-from .look import look_at_group
+from .look import NOISE_SIGMAS, look_at_group
 
-__all__ = ["BIRTH_US", "find_births", "list_living"]
+__all__ = ["BIRTH_US", "UNSEEN_HALVES", "find_births", "list_living"]
 
 Table = NDArray[Any]
 
@@ -33,7 +33,6 @@ _NOISE_KNOWN_US = 2 * BIRTH_US << _NOISE_WINDOW  # until then there are no birth
 # Groups of cells.
 _NOISE_MIX = 0.2  # weight of one window in the measured noise
 _MIN_CELL_PIXELS = 2.0  # pixels: fewer in a cell are noise
-_NOISE_SIGMAS = 3.0  # standard deviations above the noise
 _MIN_CONTOUR_SHARE = 0.5  # share of a group's width and height that its pixels must number
 _MAX_SENSOR_SHARE = 0.5  # share of the sensor: a group that covers more is no object
 _NEAR_GATES = 1.0  # gates: anything closer to an object is a part of it that its gate will reach
@@ -47,7 +46,7 @@ _GROWTH_SHARE = 0.3  # standard deviation of the growth of a half side, as a sha
 
 # Return of a track that was lost.
 _EDGE_PX = 8.0  # pixels from the sensor's edge within which an object enters
-_UNSEEN_HALVES = 0.15  # halves without support, from which on an object may be found again elsewhere
+UNSEEN_HALVES = 0.15  # halves without support, from which on an object is assumed to stop, or may be found again elsewhere
 _FOLLOWS_HALVES = 1.0  # halves of travel, in which the rest of an object follows its centre over the edge
 _FOUND_HALVES = 3.0  # halves between the places of loss and return
 _SPEED_KNOWN_HALVES = 5.0  # halves travelled, from which on the speed extends that distance
@@ -112,7 +111,7 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
 @step
 def _is_seen(o: Any) -> bool:
     """Whether what is close to an object is its own: it was seen lately, or only its centre has left the sensor."""
-    return bool(o.track_id < 0 or o.missed < (_FOLLOWS_HALVES if 0 <= o.away < INSIDE else _UNSEEN_HALVES))
+    return bool(o.track_id < 0 or o.missed < (_FOLLOWS_HALVES if 0 <= o.away < INSIDE else UNSEEN_HALVES))
 
 
 @step
@@ -325,7 +324,7 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
             _measure_noise(world, level, window_us)
         known = run.noise >= 0.0
         mean = 64.0 * (1.0 - np.exp(-1e-6 * window_us * max(run.noise, 0.0)))
-        least = max(_MIN_CELL_PIXELS, mean + _NOISE_SIGMAS * np.sqrt(mean) + (1.0 if mean > 0.2 else 0.0))
+        least = max(_MIN_CELL_PIXELS, mean + NOISE_SIGMAS * np.sqrt(mean) + (1.0 if mean > 0.2 else 0.0))
         if level + 1 < LEVELS:
             for row in range(rows):
                 for column in range(columns):
@@ -345,7 +344,7 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
                         box[edge] = parts[k, edge >> 1, edge & 1]
                     width, height = box[1] - box[0] + 1.0, box[3] - box[2] + 1.0
                     noise = width * height * mean / 64.0
-                    mass = parts[k, 2, 0] - noise - _NOISE_SIGMAS * np.sqrt(noise)
+                    mass = parts[k, 2, 0] - noise - NOISE_SIGMAS * np.sqrt(noise)
                     if mass < max(rules.birth_pixels, _MIN_CONTOUR_SHARE * (width + height)) or _touches(
                         world, box, 1e-6 * window_us
                     ):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...ranges import Range, check_ranges
 
-__all__ = ["ADAPTIVE_RANGES", "AdaptiveConfig"]
+__all__ = ["ADAPTIVE_RANGES", "PRESETS", "AdaptiveConfig"]
 
 # field -> (lowest, highest, meaning)
 ADAPTIVE_RANGES: dict[str, Range] = {
@@ -67,3 +67,6 @@ class AdaptiveConfig:
 
     def __post_init__(self) -> None:
         check_ranges("adaptive", self, ADAPTIVE_RANGES)
+
+
+PRESETS: dict[str, AdaptiveConfig] = {"auto": AdaptiveConfig()}

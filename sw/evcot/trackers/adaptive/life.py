@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 from ...tracks.log import Kind
-from .births import BIRTH_US, find_births, list_living
+from .births import BIRTH_US, UNSEEN_HALVES, find_births, list_living
 from .layout import CELL_BITS, INSIDE, NEAR, NOBODY, UNSET_US, Rules, World
-from .look import look
+from .look import MIN_SPEED_HALVES_S, look
 from .motion import predict
 from .unity import are_one
 
@@ -35,7 +35,6 @@ _TENTATIVE_PATIENCE = 0.5  # not visible yet
 _LEAVING_PATIENCE = 0.25  # at the sensor's edge, on its way out
 
 # Silence.
-_UNSEEN_HALVES = 0.15  # halves without support, from which on an object is assumed to stop
 _REPORTED_HALVES = 0.3  # halves without support, for which it is still reported
 _STOP_DECAY_HALVES = 0.5  # halves of expected travel in which the velocity of an object that stops falls to 37 %
 _SILENT_HALVES_S = 2.0  # halves per second that count as travelled without support, at least: a slow object ends, too
@@ -57,7 +56,6 @@ _AWAY_HALVES = 16.0  # halves of expected travel until its return, at most
 # State.
 _MIN_HALF_PX = 1.0  # pixels: smaller objects have no measurable side
 _MIN_GATE_PX = 2.0  # pixels around a box whose events belong to it, at least
-_MIN_SPEED_HALVES_S = 0.5  # halves per second: the least unit of velocity
 _SPEED_DECAY_HALVES = 6.0  # halves of travel in which an object's greatest speed falls to 37 %
 _GROWTH_DECAY_HALVES = 2.0  # the same for its growth, which is measured less well
 _HEAVIER_RATIO = 4.0  # pixels of one object by those of another, from which on the heavier of two that are one survives
@@ -151,7 +149,7 @@ def _covered(world: World, i: int) -> bool:
     for at in range(world.run[0].live):
         k = world.slots[at]
         other = world.state[k]
-        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < _UNSEEN_HALVES and world.objects[k].away < 0
+        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < UNSEEN_HALVES and world.objects[k].away < 0
         if k != i and seen and abs(s[0, 0] - other[0, 0]) <= other[0, 2] and abs(s[1, 0] - other[1, 0]) <= other[1, 2]:
             return True
     return False
@@ -300,7 +298,7 @@ def _advance(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     v = _sure(world, i, 1, 1.0) + _sure(world, i, 3, 2.0)
     went = o.speed * lasted_s / half  # in the object's units
     o.still = 0.0 if v > 0.0 else o.still + went
-    o.speed = max(v, o.speed * np.exp(-went / _SPEED_DECAY_HALVES), _MIN_SPEED_HALVES_S * half)
+    o.speed = max(v, o.speed * np.exp(-went / _SPEED_DECAY_HALVES), MIN_SPEED_HALVES_S * half)
     o.travel += v * lasted_s / half
     o.within = o.within + v * lasted_s / half if o.inside >= 0 else 0.0
     o.inside = -1
@@ -308,7 +306,7 @@ def _advance(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     o.support += o.packet_events
     o.gate = max(_MIN_GATE_PX, 0.5 * rules.gate * (s[0, 2] + s[1, 2]))
     # What sends no events has stopped, or is hidden.
-    keeps = np.exp(-went / _STOP_DECAY_HALVES) if o.missed > _UNSEEN_HALVES and not _covered(world, i) else 1.0
+    keeps = np.exp(-went / _STOP_DECAY_HALVES) if o.missed > UNSEEN_HALVES and not _covered(world, i) else 1.0
     for axis in range(2):
         s[axis, 3] *= np.exp(-went / _GROWTH_DECAY_HALVES)
         s[axis, 1] *= keeps

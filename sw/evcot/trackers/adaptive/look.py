@@ -21,7 +21,7 @@ from .layout import BINS, CELL_BITS, NOBODY, Rules, World
 from .motion import correct
 from .unity import are_parts
 
-__all__ = ["look", "look_at_group"]
+__all__ = ["MIN_SPEED_HALVES_S", "NOISE_SIGMAS", "look", "look_at_group"]
 
 Table = NDArray[Any]
 
@@ -29,7 +29,7 @@ Table = NDArray[Any]
 # tuned on the seed sets 1, 2 and 21 (docs/defaults.md).
 
 # How far back a measurement reads.
-_MIN_SPEED_HALVES_S = 0.5  # halves per second: a slower object is timed as if it had this speed, or a window would never end
+MIN_SPEED_HALVES_S = 0.5  # halves per second: the least unit of velocity; else the window of an object at rest would never end
 _MIN_PACE_SHARE = 0.3  # share of an object's greatest speed, likewise: an object that turns does not stand for long
 _WINDOW_MIN_S, _WINDOW_MAX_S = 2e-3, 0.4  # seconds: below, an edge has sent too few events; above, the velocity is too old
 _MAX_NOISE_PER_PIXEL = 0.2  # events of noise per pixel in the window: beyond, noise hides the object's contour
@@ -41,7 +41,7 @@ _MARGIN_HALVES, _MARGIN_PX = 0.5, 3.0  # around the box, in halves and at least 
 _BINS_PER_HALF = 12.0  # bins: finer ones hold too few pixels for a level
 _LINK_BINS = 2  # bins: what is closer touches
 _MIN_CELL_PIXELS = 2.0  # pixels in 3 x 3 bins
-_NOISE_SIGMAS = 3.0  # standard deviations of the noise's count, above which 3 x 3 bins are an object's
+NOISE_SIGMAS = 3.0  # standard deviations of the noise's count, above which pixels are an object's
 
 # Parts of an object.
 _MIN_PART_SHARE = 0.03  # share of all pixels: a smaller part is noise
@@ -68,7 +68,7 @@ def _pace(world: World, i: int) -> float:
     """The speed by which an object's looks are timed, px/s."""
     s = world.state[i]
     return float(
-        max(np.hypot(s[0, 1], s[1, 1]), _MIN_PACE_SHARE * world.objects[i].speed, _MIN_SPEED_HALVES_S * max(s[0, 2], s[1, 2]))
+        max(np.hypot(s[0, 1], s[1, 1]), _MIN_PACE_SHARE * world.objects[i].speed, MIN_SPEED_HALVES_S * max(s[0, 2], s[1, 2]))
     )
 
 
@@ -172,7 +172,7 @@ def look_at_group(rules: Rules, world: World, box: Table, t_us: int, window_s: f
     smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
     mean = 9.0 * noise
-    level = max(_MIN_CELL_PIXELS, mean + _NOISE_SIGMAS * np.sqrt(mean))
+    level = max(_MIN_CELL_PIXELS, mean + NOISE_SIGMAS * np.sqrt(mean))
     reach[0] = reach[1] = 0.0
     half[0] = half[1] = 1e9
     n = find_parts(world, level, rows, half, reach, bin_px, max(2 // bin_px, 1) + 1)
@@ -198,7 +198,7 @@ def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach:
                 total += world.bins[y, x]
                 square += world.bins[y, x] * world.around[y, x]
     mean = 9.0 * noise
-    level = max(_MIN_CELL_PIXELS, mean + _NOISE_SIGMAS * np.sqrt(mean))
+    level = max(_MIN_CELL_PIXELS, mean + NOISE_SIGMAS * np.sqrt(mean))
     if total > 0.0:
         level = max(level, rules.dense * square / total)
     return float(level)

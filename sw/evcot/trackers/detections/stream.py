@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from .identity import Identities, IdentityConfig, Track
 __all__ = ["DetectionTracker"]
 
 
-class DetectionTracker:
+class DetectionTracker(ABC):
     """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
 
     Subclasses define `frame_ends` and `detect`. Besides the returned arrays, memory holds the events of one frame.
@@ -34,13 +35,13 @@ class DetectionTracker:
         self._last_us: int | None = None
         self.settled = 0
 
+    @abstractmethod
     def frame_ends(self, t_us: NDArray[np.int64]) -> NDArray[np.int64]:
         """Where frames end, as indices after their last event; the first of the (n,) event times, n >= 1, begins a frame."""
-        raise NotImplementedError
 
+    @abstractmethod
     def detect(self, events: Events) -> NDArray[np.void]:
         """Detect the objects in the read-only events of a frame: (d,) of dtype `identity.DETECTION`."""
-        raise NotImplementedError
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """Track a run of events.

@@ -16,18 +16,22 @@ from ..detections.identity import DETECTION
 from ..detections.stream import DetectionTracker
 from .config import FrameConfig
 
-__all__ = ["FrameTracker", "detect"]
+__all__ = ["FrameTracker", "candidate_us", "detect"]
 
 _PIXELS_MAX = 1 << 26
 _EIGHT = np.ones((3, 3), bool)
+
+
+def candidate_us(frame_us: int) -> int:
+    """Silence after which a new object is dropped: two and a half frames, in microseconds, at least 20 ms."""
+    return max(20_000, 5 * frame_us // 2)
 
 
 class FrameTracker(DetectionTracker):
     """The frame pipeline as a stream; frames count from the first event, and frames without events are skipped."""
 
     def __init__(self, config: FrameConfig) -> None:
-        # A new object is dropped unless it is found again within two and a half frames.
-        super().__init__(config, max(20_000, 5 * config.frame_us // 2))
+        super().__init__(config, candidate_us(config.frame_us))
         self.config = config
         self._first_us: int | None = None
 

@@ -75,9 +75,7 @@ def _side_px(places: Table) -> float:
 
 
 @njit(cache=True, nogil=True)
-def cluster(
-    points: Table, after_us: Table, bandwidth_px: float, fold_px: float, points_min: int
-) -> tuple[Table, int, int]:  # fmt: skip
+def cluster(points: Table, after_us: Table, bandwidth_px: float, fold_px: float, points_min: int) -> tuple[Table, int, int]:
     """Cluster (4, n) points with their times; returns (d,) `DETECTION`, and both numbers of evaluations of `converge`.
 
     Modes at most one bandwidth apart are one cluster.

@@ -7,7 +7,7 @@ from typing import Any
 
 from numba import njit
 
-__all__ = ["move", "pull_extent", "pull_size"]
+__all__ = ["EXTENT_QUANTILE", "move", "pull_extent", "pull_size"]
 
 # Share of events beyond each side of the extent that is reported without a box: wide enough for outlines, and few stray events
 # reach it.

@@ -63,9 +63,6 @@ def test_a_file_sets_them(tmp_path: Path) -> None:
     path.write_text("[motion]\nside = 90\n", encoding="utf-8")
     with pytest.raises(ConfigError, match=r"\[motion\]: unknown field 'side'"):
         load_toml(path, base)
-    path.write_text("[motion]\nenable = 1\n", encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"\[motion\]: enable: there is no such register any more"):
-        load_toml(path, base)
 
 
 def test_the_preset_keeps_them_on_any_sensor() -> None:

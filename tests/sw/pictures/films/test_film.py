@@ -140,10 +140,10 @@ def test_what_ends_early_leaves_no_film(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("speed", 0.0, "--speed 0: must be from 0.0001 to 1000"),
-        ("fps", 500.0, "--fps 500: must be from 1 to 100"),
-        ("decay_ms", float("nan"), "--decay nan: must be from 0.001 to 100000"),
-        ("width_px", 10, "--width 10: must be from 64 to 4096"),
+        ("speed", 0.0, "speed = 0: must be from 0.0001 to 1000"),
+        ("fps", 500.0, "fps = 500: must be from 1 to 100"),
+        ("decay_ms", float("nan"), "decay_ms = nan: must be from 0.001 to 100000"),
+        ("width_px", 10, "width_px = 10: must be from 64 to 4096"),
     ],
 )
 def test_looks_that_cannot_be(name: str, value: float, message: str) -> None:

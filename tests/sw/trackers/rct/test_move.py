@@ -19,9 +19,9 @@ def test_the_box_reports_the_middle_of_the_extent_where_the_mean_leans_to_the_bu
     events = together(even, edge)
     plain = RctConfig(radius_px=14.0, max_clusters=1)
     (mean,) = tracked(events, plain)[2]
-    (box,) = tracked(events, replace(plain, box_quantile=0.02))[2]
+    (box,) = tracked(events, replace(plain, box_quantile=0.01))[2]
     assert mean["x"] > 206
-    assert box["x"] == pytest.approx(200, abs=2)
+    assert box["x"] == pytest.approx(200, abs=1)
     assert box["y"] == pytest.approx(200, abs=1)
 
 
