@@ -33,7 +33,7 @@ def blinking(parts: int = 100_000) -> Iterator[Events]:
 
 def started(hello: dict[str, object] = HELLO) -> Player:
     """A player with one cluster, at events that go on for longer than any test."""
-    player = playing(Session(Played(blinking(), lambda _: time.sleep(0.01)), EveryTenth()), hello)
+    player = playing(Session(Played(blinking(), lambda _: time.sleep(0.01)), EveryTenth(), wait_s=10.0), hello)
     player.start()
     return player
 

@@ -87,7 +87,7 @@ def test_one_loss_is_no_reason() -> None:
 
 
 def test_its_substitute_takes_over_what_it_refuses() -> None:
-    session = played(Beside("hardware", "RTL", Refusing(), ("golden model", EveryTenth)))
+    session = played(Beside("hardware", "RTL", Refusing(), ("golden model", EveryTenth)), wait_s=10.0)
     (beside,) = session.figures()["beside"]
     assert beside["about"] == "golden model; RTL a wait is too long"
     assert beside["dropped"] == 0
