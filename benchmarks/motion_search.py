@@ -3,7 +3,7 @@
 
 python benchmarks/motion_search.py --seed 1 --minutes 40      # prints every better setting, and what differs from the preset
 
-Everything else is chosen by what is seen (docs/auto.md, "Settings of the hardware"). A merit is a mean over families,
+Everything else is chosen by what is seen (docs/adaptive.md, "Settings of the hardware"). A merit is a mean over families,
 with weights, of 0.7 HOTA of centres + 0.3 HOTA of boxes; where nothing is there, of 1 - 0.25 per track. A setting that is worse
 than the one it came from on a part of the recordings is dropped at once.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hardware with registers by what is seen in the recording, on every family of the field: docs/auto.md's table.
+"""The hardware with registers by what is seen in the recording, on every family of the field: docs/adaptive.md's table.
 
 python benchmarks/registers.py                  # seed set 1, on which the rules were chosen; 15 minutes
 python benchmarks/registers.py --seed-set 41    # another; recordings that do not depend on it are left out

@@ -9,11 +9,8 @@ from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.events import Recording
-from evcot.hardware.modules import DEFAULT_MODULE
-from evcot.trackers.adaptive.estimates import estimate
-from evcot.trackers.auto import auto_config
 from evcot.trackers.config import RunConfig
-from evcot.trackers.presets import AUTO, fit, run_config
+from evcot.trackers.presets import run_config
 
 from .lockstep.cosim import CosimRun, run_cosim
 from .lockstep.run_file import Source
@@ -60,10 +57,10 @@ def cosim(
     Args:
         source: a recording in memory, a file, which is read into memory, or the name of a scene.
         config: both trackers' configurations, as `evcot.run_config` returns them; None: as the command, by the next three.
-        preset: None or "auto": settings estimated from the recording; else one of `evcot presets`.
+        preset: one of `evcot presets`; None: the default, `motion`.
         hardware: module, one of `evcot.MODULES`; None: the preset's. Without preset, other modules than cot_motion take the one
             for the sensor.
-        slots: number of tracker slots; None: the estimated or the preset's.
+        slots: number of tracker slots; None: the preset's.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
 
     Raises:
@@ -76,15 +73,8 @@ def cosim(
         origin = Source.named(str(source))
         recording = origin.read()
     if config is None:
-        config = _config(recording, preset, hardware, slots)
+        config = run_config(recording.width, recording.height, preset, slots, hardware=hardware)
     elif preset is not None or hardware is not None or slots is not None:
         raise ConfigError("config: must not be given with preset, hardware or slots")
     run = run_cosim(recording, config, stall_seed=stall_seed, source=origin)
     return Run(**{field.name: getattr(run, field.name) for field in fields(run)})
-
-
-def _config(recording: Recording, preset: str | None, hardware: str | None, slots: int | None) -> RunConfig:
-    sensor = recording.width, recording.height
-    if preset not in (None, AUTO) or hardware not in (None, DEFAULT_MODULE):
-        return run_config(*sensor, preset, slots, hardware=hardware)
-    return fit(auto_config(estimate([recording.events], sensor)), *sensor, slots)

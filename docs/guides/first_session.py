@@ -57,7 +57,7 @@ print(f"{len(clean.events):,} of {len(recording.events):,} events pass")
 # %% [markdown]
 # ## 3. Track
 #
-# The default tracker needs no settings. It is the golden model of the hardware `cot_motion` ([auto.md](../auto.md)).
+# The default tracker needs no settings. It is the golden model of the hardware `cot_motion` ([motion.md](../motion.md)).
 
 # %%
 log = evcot.track(clean)

@@ -254,7 +254,7 @@
 #define EVCOT_FILTER_POLARITY 0x0214u /* polarity that stays */
 #define EVCOT_FILTER_REFRACTORY_TICKS 0x0218u /* ticks for which a pixel is silent after an event that stayed */
 #define EVCOT_FILTER_ACTIVITY_TICKS 0x021Cu /* oldest neighbour that supports an event */
-#define EVCOT_FILTER_ACTIVITY_SUPPORT 0x0220u /* neighbours that an event needs */
+#define EVCOT_FILTER_ACTIVITY_SUPPORT 0x0220u /* neighbours that an event needs; 0: they follow the noise */
 #define EVCOT_FILTER_RECENT_TICKS 0x0224u /* age past which an event leaves the FIFO */
 #define EVCOT_FILTER_RECENT_RADIUS 0x0228u /* how near an event in the FIFO must be to support another */
 #define EVCOT_FILTER_RECENT_SUPPORT 0x022Cu /* events in the FIFO that an event needs */
@@ -266,6 +266,12 @@
 #define EVCOT_FILTER_ROWCOL_RADIUS 0x0244u /* how near along its row or column it must be */
 #define EVCOT_FILTER_ROWCOL_SUPPORT 0x0248u /* rows and columns whose last events an event needs */
 #define EVCOT_FILTER_STAMP_SHIFT 0x024Cu /* log2 of the ticks in a unit of the time stamps of cells */
+#define EVCOT_FILTER_NOISE_LOG2 0x0250u /* log2 of the ticks in the longest window in which noise is counted */
+#define EVCOT_FILTER_NOISE_2 0x0254u /* least noise at which an event needs 2 neighbours, per cell and window, in 1/256 */
+#define EVCOT_FILTER_NOISE_3 0x0258u /* least noise at which an event needs 3 neighbours, per cell and window, in 1/256 */
+#define EVCOT_FILTER_NOISE_4 0x025Cu /* least noise at which an event needs 4 neighbours, per cell and window, in 1/256 */
+#define EVCOT_FILTER_NOISE_5 0x0260u /* least noise at which an event needs 5 neighbours, per cell and window, in 1/256 */
+#define EVCOT_FILTER_NOISE_6 0x0264u /* least noise at which an event needs 6 neighbours, per cell and window, in 1/256 */
 #define EVCOT_FILTER_COMMIT 0x027Cu
 
 /* Registers of boxes and velocities, likewise; they exist only with TRACKER = 2 (EVCOT_BUILD_TRACKER), and a commit of values

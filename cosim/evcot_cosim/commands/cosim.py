@@ -37,7 +37,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     title = "run hardware, model and software tracker on a recording and compare them"
     cosim = add_command(commands, "cosim", title, _EXAMPLES)
     cosim.epilog = _TERMS
-    input_options(cosim, auto=True)
+    input_options(cosim)
     window_options(cosim)
     output_option(cosim, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/cosim/NAME)")
     checkpoint_option(cosim)

@@ -17,9 +17,8 @@ __all__ = ["DEFAULT_SCENE", "input_options"]
 DEFAULT_SCENE = "boxes"
 
 
-def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: bool = False) -> None:
-    """Add what `job_from` reads; `runs`: the folder of a run is an input too; `auto`: as of `job_from`."""
-    default = "auto, with a recording" if auto else "motion; of other hardware the one for the sensor"
+def input_options(parser: argparse.ArgumentParser, *, runs: bool = False) -> None:
+    """Add what `job_from` reads; `runs`: the folder of a run is an input too."""
     source = f"a recording, or a scene: {', '.join(SCENES)} (default: {DEFAULT_SCENE})"
     run = "the folder of a run of `evcot cosim`; " if runs else ""
     parser.add_argument("recording", nargs="?", type=input_or_name, metavar="RUN" if runs else "FILE", help=run + source)
@@ -28,7 +27,7 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: 
     group.add_argument(
         "--preset",
         metavar="NAME",
-        help=f"one of `evcot presets`; auto: settings estimated from the recording (default: {default})",
+        help="one of `evcot presets` (default: motion; of other hardware the one for the sensor)",
     )
     group.add_argument(
         "--config", type=input_path, metavar="TOML", help="a file that overrides the preset, or a whole run (--print-config)"

@@ -151,14 +151,12 @@ class RunFile:
         stalls: seed of the stall patterns; None never stalls.
         digest: digest of the events, see `evcot.digest`; empty if not computed.
         config: both trackers' configurations.
-        said: a line on where the configuration came from, which becomes a comment.
     """
 
     source: Source
     stalls: int | None
     digest: str
     config: RunConfig
-    said: str | None = None
 
     def check(self, path: Path, events: Events) -> None:
         """Raise ConfigError, naming the file, if these are not the events of the run."""
@@ -181,7 +179,7 @@ def run_toml(run: RunFile) -> str:
         "run": {kind: name, **source, **stalls, "digest": run.digest},
         **tables,
     }
-    return _HEAD + (f"# {run.said}\n" if run.said else "") + tomli_w.dumps(tables)
+    return _HEAD + tomli_w.dumps(tables)
 
 
 def config_tables(config: RunConfig) -> dict[str, Any]:

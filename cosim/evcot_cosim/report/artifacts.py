@@ -48,7 +48,7 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
     Raises:
         OutputError: a file cannot be written.
     """
-    summary = summarise(run, command) | ({"auto": made_of.said} if made_of.said else {})
+    summary = summarise(run, command)
     with folder_written_aside(folder, "cosim") as aside:
         if run.source is None:
             write_recording(run.recording, aside / _RECORDING)

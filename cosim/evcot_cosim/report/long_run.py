@@ -85,7 +85,7 @@ def write_long_run(
         with source.opened() as file:
             recording = LongRecording(run.name, run.sensor, source.blocks(file), run.events, run.begin_us, run.end_us)
             paged = write_parts(recording, sides, aside, about, comparison, progress)
-        summary = summarise_long(run, comparison, paged.quality, command) | ({"auto": made_of.said} if made_of.said else {})
+        summary = summarise_long(run, comparison, paged.quality, command)
         summary["parts"] = paged.parts
         if waves:
             _write_waves(run, aside, head)

@@ -194,8 +194,7 @@ def _fault(task: Task, sensor: Sensor) -> str | None:
     try:
         config, filters = configuration(task.engine, sensor, task.preset, task.tables, task.hardware)
         if isinstance(config, RunConfig):
-            if task.engine == RTL or not filters.activity_noise_hz:
-                config.device_config(*sensor)
+            config.device_config(*sensor)
             check_addresses_of(sensor, config.hardware, "the input")
     except ConfigError as error:
         return str(error)

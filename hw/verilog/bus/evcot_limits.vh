@@ -83,13 +83,18 @@ function filter_has(input [`EVCOT_FREG_W-1:0] word);
         || word == `EVCOT_FREG_ROWCOL_TICKS
         || word == `EVCOT_FREG_ROWCOL_RADIUS
         || word == `EVCOT_FREG_ROWCOL_SUPPORT
-        || word == `EVCOT_FREG_STAMP_SHIFT;
+        || word == `EVCOT_FREG_STAMP_SHIFT
+        || word == `EVCOT_FREG_NOISE_LOG2
+        || word == `EVCOT_FREG_NOISE_2
+        || word == `EVCOT_FREG_NOISE_3
+        || word == `EVCOT_FREG_NOISE_4
+        || word == `EVCOT_FREG_NOISE_5
+        || word == `EVCOT_FREG_NOISE_6;
 endfunction
 
 function [31:0] filter_low(input [`EVCOT_FREG_W-1:0] word);
     case (word)
         `EVCOT_FREG_REFRACTORY_TICKS: filter_low = 32'd1;
-        `EVCOT_FREG_ACTIVITY_SUPPORT: filter_low = 32'd1;
         `EVCOT_FREG_RECENT_RADIUS: filter_low = 32'd1;
         `EVCOT_FREG_RECENT_SUPPORT: filter_low = 32'd1;
         `EVCOT_FREG_DECAY_RATE: filter_low = 32'd1;
@@ -122,6 +127,12 @@ function [31:0] filter_high(input [`EVCOT_FREG_W-1:0] word);
         `EVCOT_FREG_ROWCOL_RADIUS: filter_high = 32'd15;
         `EVCOT_FREG_ROWCOL_SUPPORT: filter_high = 32'd6;
         `EVCOT_FREG_STAMP_SHIFT: filter_high = 32'd15;
+        `EVCOT_FREG_NOISE_LOG2: filter_high = 32'd20;
+        `EVCOT_FREG_NOISE_2: filter_high = 32'd65535;
+        `EVCOT_FREG_NOISE_3: filter_high = 32'd65535;
+        `EVCOT_FREG_NOISE_4: filter_high = 32'd65535;
+        `EVCOT_FREG_NOISE_5: filter_high = 32'd65535;
+        `EVCOT_FREG_NOISE_6: filter_high = 32'd65535;
         default: filter_high = 32'hffffffff;
     endcase
 endfunction

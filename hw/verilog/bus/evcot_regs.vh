@@ -15,7 +15,7 @@
 `define EVCOT_BANK_TRACKS 14'h300
 `define EVCOT_BANK_SLOT 14'h2000
 `define EVCOT_BANK_COMMIT 5'd31
-`define EVCOT_BANK_LAST 5'd21
+`define EVCOT_BANK_LAST 5'd25
 
 // Bit numbers of the sources.
 `define EVCOT_SOURCE_EVENTS 0

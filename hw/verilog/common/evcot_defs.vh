@@ -44,6 +44,8 @@
 `define EVCOT_RECENT_DEPTH_MAX 256 // events in the FIFO of recent events
 `define EVCOT_CELL_PX_MIN 0
 `define EVCOT_CELL_PX_MAX 4 // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter
+`define EVCOT_CELL_STAMP_W_MIN 0
+`define EVCOT_CELL_STAMP_W_MAX 32 // bits of a time stamp of refractory and activity in a cell; 0: as many as 9 bits hold
 
 // States of the tracker FSM.
 `define EVCOT_ST_W 3
@@ -118,6 +120,12 @@
 `define EVCOT_FREG_ROWCOL_RADIUS 5'd17
 `define EVCOT_FREG_ROWCOL_SUPPORT 5'd18
 `define EVCOT_FREG_STAMP_SHIFT 5'd19
+`define EVCOT_FREG_NOISE_LOG2 5'd20
+`define EVCOT_FREG_NOISE_2 5'd21
+`define EVCOT_FREG_NOISE_3 5'd22
+`define EVCOT_FREG_NOISE_4 5'd23
+`define EVCOT_FREG_NOISE_5 5'd24
+`define EVCOT_FREG_NOISE_6 5'd25
 
 // Addresses on the port of cot_motion: the mode of a slot, then the words of both banks.
 `define EVCOT_MREG_W 6

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores the last event of each cell of CELL_PX x CELL_PX pixels in words of 9 bits: its place within the cell, and its time in
-// as many bits as are left. Of an event it reads the 9 cells around it at once: 16 banks, by the low two bits of the cell's
+// Stores the last event of each cell of CELL_PX x CELL_PX pixels: its place within the cell, and its time in STAMP_W bits, in
+// words of 9 bits if STAMP_W is left alone. Of an event it reads the 9 cells around it at once: 16 banks, by the low two bits of the cell's
 // column and row.
 //
-// Stamps have W = 9 - 2 log2(CELL_PX) bits: 9, 7 or 5. With stamp_walk.v and segments of 2^(W-3) steps every age below
-// KEEP = 3 * 2^(W-2) steps, 384, 96 or 24, is exact; an age of KEEP or more means none, or none that matters.
+// Stamps have W = 9 - 2 log2(CELL_PX) bits, 9, 7 or 5, or more. With stamp_walk.v and segments of 2^(W-3) steps every age below
+// KEEP = 3 * 2^(W-2) steps, 384, 96 or 24 at least, is exact; an age of KEEP or more means none, or none that matters.
 //
 // An event whose cell's last stored event was at the same place less than `silence` steps ago is not stored: m_stays is low.
 // The decision comes five stages after the read; stamp_bank.v corrects what was read by what the five slots ahead store.
@@ -14,7 +14,7 @@
 // Stall:      while advance is low the pipeline stalls; m_ outputs are held.
 // Reset:      no token inside; then all cells are cleared: ceil(WIDTH / 4 CELL_PX) * ceil(HEIGHT / 4 CELL_PX) + 8 clocks with idle
 //             low, in which two tokens at most are taken.
-// RAM:        16 * ceil(WIDTH / 4 CELL_PX) * ceil(HEIGHT / 4 CELL_PX) * 9 bits. One read and one write port per bank.
+// RAM:        16 * ceil(WIDTH / 4 CELL_PX) * ceil(HEIGHT / 4 CELL_PX) words. One read and one write port per bank.
 // Combinational paths: none; s_ready comes from registers alone.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -27,7 +27,7 @@ module cell_memory #(
     parameter CELL_PX = 1,    // side of a cell in pixels: 1, 2 or 4
     parameter STEP_W  = 21,   // bits of a token's steps
     parameter DATA_W  = 1,    // bits that travel with a token
-    parameter STAMP_W = (CELL_PX == 4) ? 5 : (CELL_PX == 2) ? 7 : 9  // derived: leave it alone
+    parameter STAMP_W = (CELL_PX == 4) ? 5 : (CELL_PX == 2) ? 7 : 9  // bits of a time stamp, no fewer
 ) (
     input  wire                  clk,
     input  wire                  rst,
@@ -60,10 +60,11 @@ module cell_memory #(
     parameter_check #(.OK(WIDTH >= `EVCOT_WIDTH_MIN && WIDTH <= `EVCOT_WIDTH_MAX)) WIDTH_must_be_1_to_65536 ();
     parameter_check #(.OK(HEIGHT >= `EVCOT_HEIGHT_MIN && HEIGHT <= `EVCOT_HEIGHT_MAX)) HEIGHT_must_be_1_to_65536 ();
     parameter_check #(.OK(WIDTH <= 16777216 / HEIGHT)) WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24 ();
+    parameter_check #(.OK(STAMP_W >= ((CELL_PX == 4) ? 5 : (CELL_PX == 2) ? 7 : 9) && STAMP_W <= 32)) STAMP_W_must_hold_the_ages ();
     parameter_check #(.OK(CELL_PX == 1 || CELL_PX == 2 || CELL_PX == 4)) CELL_PX_must_be_1_or_2_or_4 ();
 
     localparam SHIFT   = (CELL_PX == 4) ? 2 : (CELL_PX == 2) ? 1 : 0;
-    localparam WORD_W  = 9;
+    localparam WORD_W  = STAMP_W + 2 * SHIFT;
     localparam PLACE_W = (SHIFT == 0) ? 1 : 2 * SHIFT;  // with one pixel in a cell always 0, and not stored
     localparam SEGMENT_W = STAMP_W - 3;
 

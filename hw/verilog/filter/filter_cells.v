@@ -21,7 +21,8 @@ module filter_cells #(
     parameter WIDTH   = 346,  // pixels of the sensor across
     parameter HEIGHT  = 260,  // pixels of the sensor down
     parameter STAMP_W = 20,   // bits of a register of ticks, and one more
-    parameter CELL_PX = 1     // side of a cell in pixels: 1, 2 or 4
+    parameter CELL_PX = 1,    // side of a cell in pixels: 1, 2 or 4
+    parameter CELL_STAMP_W = 0  // bits of a time stamp in a cell; 0: as many as 9 bits hold
 ) (
     input  wire               clk,
     input  wire               rst,
@@ -31,7 +32,6 @@ module filter_cells #(
     input  wire               enable_activity,
     input  wire [STAMP_W-2:0] refractory_ticks,
     input  wire [STAMP_W-2:0] activity_ticks,
-    input  wire [3:0]         activity_support,
     input  wire [3:0]         stamp_shift,
 
     // tokens in
@@ -43,6 +43,7 @@ module filter_cells #(
     input  wire [X_W-1:0]     s_x,
     input  wire [Y_W-1:0]     s_y,
     input  wire               s_p,
+    input  wire [3:0]         s_support,  // cells that the event needs: see noise_support.v
 
     // tokens out
     output wire               m_valid,
@@ -60,10 +61,10 @@ module filter_cells #(
     parameter_check #(.OK(TICK_W >= `EVCOT_TICK_W_MIN && TICK_W <= `EVCOT_TICK_W_MAX)) TICK_W_must_be_1_to_32 ();
     parameter_check #(.OK(STAMP_W >= `EVCOT_STAMP_W_MIN && STAMP_W <= `EVCOT_STAMP_W_MAX)) STAMP_W_must_be_4_to_32 ();
 
-    localparam CELL_W  = (CELL_PX == 4) ? 5 : (CELL_PX == 2) ? 7 : 9;  // bits of a stamp
+    localparam CELL_W  = (CELL_STAMP_W != 0) ? CELL_STAMP_W : (CELL_PX == 4) ? 5 : (CELL_PX == 2) ? 7 : 9;
     localparam WIDE_W  = (STAMP_W - 1 > CELL_W) ? STAMP_W - 1 : CELL_W;
     localparam STEP_W  = (TICK_W > 15 ? TICK_W : 15) + 1;
-    localparam TOKEN_W = TICK_W + X_W + Y_W + 5;
+    localparam TOKEN_W = TICK_W + X_W + Y_W + 9;
     localparam [CELL_W-1:0] KEEP   = {2'b11, {(CELL_W - 2) {1'b0}}};
     localparam [WIDE_W-1:0] LONGEST = {{(WIDE_W - CELL_W) {1'b0}}, KEEP};
 
@@ -103,7 +104,7 @@ module filter_cells #(
         .s_valid(s_valid),
         .s_ready(s_ready),
         .s_tick (s_tick),
-        .s_data ({s_event && (enable_refractory || enable_activity), enable_activity, s_tick, s_event, s_skip, s_x, s_y, s_p}),
+        .s_data ({s_event && (enable_refractory || enable_activity), enable_activity, s_support, s_tick, s_event, s_skip, s_x, s_y, s_p}),
         .m_valid(units_valid),
         .m_ready(units_ready),
         .m_units(units),
@@ -118,7 +119,8 @@ module filter_cells #(
         .HEIGHT (HEIGHT),
         .CELL_PX(CELL_PX),
         .STEP_W (STEP_W),
-        .DATA_W (TOKEN_W)
+        .DATA_W (TOKEN_W),
+        .STAMP_W(CELL_W)
     ) u_memory (
         .clk      (clk),
         .rst      (rst),
@@ -176,11 +178,12 @@ module filter_cells #(
     // ---- decision ----------------------------------------------------------------------------------------------------
 
     wire              judged, asks_support, is_event, skip;
+    wire [3:0]        needed;
     wire [TICK_W-1:0] tick;
     wire [X_W+Y_W:0]  rest;  // x, y, p
-    assign {judged, asks_support, tick, is_event, skip, rest} = counted;
+    assign {judged, asks_support, needed, tick, is_event, skip, rest} = counted;
 
-    wire drops = judged && !(counted_stays && (!asks_support || support >= activity_support));
+    wire drops = judged && !(counted_stays && (!asks_support || support >= needed));
 
     skid_buffer #(
         .W(TICK_W + X_W + Y_W + 3)

@@ -4,7 +4,8 @@
 // HAS says which filters are built; one that is not passes its tokens on by wire, and its bit in `enable` has no effect.
 //
 // Latency:    the sum of those of the filters that are built, enabled or not: 52 clocks from s_ to m_ for all eight. With CELL_PX
-//             > 0, filter_cells is in the place of refractory and activity, and decay takes as long as its header says.
+//             > 0, filter_cells is in the place of refractory and activity, behind noise_support if activity is built, and decay
+//             takes as long as its header says.
 // Throughput: that of the slowest filter: 1 token per clock, with the rare stalls of stamp_walk.v and a clock for each mark.
 // Stall:      a token is held until accepted; back-pressure fills the filters one by one.
 // Reset:      disables all filters and empties all memories, pixel by pixel. Until that is done idle is low, tokens wait
@@ -22,7 +23,8 @@ module filter_chain #(
     parameter HEIGHT       = 260,  // pixels of the sensor down
     parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
     parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
-    parameter CELL_PX      = 0     // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter
+    parameter CELL_PX      = 0,    // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter
+    parameter CELL_STAMP_W = 0     // bits of a time stamp in a cell of refractory and activity; 0: as many as 9 bits hold
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -70,6 +72,11 @@ module filter_chain #(
         .OK(CELL_PX == `EVCOT_CELL_PX_MIN || CELL_PX == 1 || CELL_PX == 2 || CELL_PX == `EVCOT_CELL_PX_MAX)
     ) CELL_PX_must_be_0_to_4_and_not_3 ();
 
+    parameter_check #(
+        .OK(CELL_STAMP_W == 0 || (CELL_STAMP_W <= `EVCOT_CELL_STAMP_W_MAX &&
+            CELL_STAMP_W >= ((CELL_PX == 1) ? 9 : (CELL_PX == 2) ? 7 : (CELL_PX == 4) ? 5 : 33)))
+    ) CELL_STAMP_W_must_be_0_or_hold_the_ages ();
+
     localparam [31:0] FILTERS = HAS;
     localparam [7:0]  BUILT   = FILTERS[7:0];
 
@@ -94,6 +101,8 @@ module filter_chain #(
     wire [3:0]         activity_support, recent_radius, rowcol_radius;
     wire [2:0]         rowcol_support;
     wire [3:0]         stamp_shift;
+    wire [4:0]         noise_log2;
+    wire [5*16-1:0]    noise_least;
     wire [8:0]         recent_support;
     wire [24:0]        decay_rate;
     wire [7:0]         decay_epsilon;
@@ -129,6 +138,8 @@ module filter_chain #(
         .rowcol_radius   (rowcol_radius),
         .rowcol_support  (rowcol_support),
         .stamp_shift     (stamp_shift),
+        .noise_log2      (noise_log2),
+        .noise_least     (noise_least),
         .mask_valid      (mask_valid),
         .mask_x          (mask_x),
         .mask_y          (mask_y),
@@ -299,6 +310,60 @@ module filter_chain #(
         if (CELL_PX != 0 && (BUILT[REFRACTORY] || BUILT[ACTIVITY])) begin : g_cells
             localparam AT = JOINED ? REFRACTORY : ACTIVITY;
 
+            wire              cells_valid, cells_ready, cells_event, cells_skip, cells_p, noise_idle, cells_idle;
+            wire [TICK_W-1:0] cells_tick;
+            wire [X_W-1:0]    cells_x;
+            wire [Y_W-1:0]    cells_y;
+            wire [3:0]        cells_support;
+
+            assign filter_idle[AT] = noise_idle && cells_idle;
+
+            if (BUILT[ACTIVITY]) begin : g_noise
+                noise_support #(
+                    .X_W   (X_W),
+                    .Y_W   (Y_W),
+                    .TICK_W(TICK_W),
+                    .WIDTH (WIDTH),
+                    .HEIGHT(HEIGHT)
+                ) u_noise (
+                    .clk        (clk),
+                    .rst        (rst),
+                    .follow     (enable[ACTIVITY] && activity_support == 4'd0),
+                    .fixed      (activity_support),
+                    .noise_log2 (noise_log2),
+                    .noise_least(noise_least),
+                    .s_valid    (in_valid[AT]),
+                    .s_ready    (in_ready[AT]),
+                    .s_tick     (in_tick[AT*TICK_W +: TICK_W]),
+                    .s_event    (in_event[AT]),
+                    .s_skip     (in_skip[AT]),
+                    .s_x        (in_x[AT*X_W +: X_W]),
+                    .s_y        (in_y[AT*Y_W +: Y_W]),
+                    .s_p        (in_p[AT]),
+                    .m_valid    (cells_valid),
+                    .m_ready    (cells_ready),
+                    .m_tick     (cells_tick),
+                    .m_event    (cells_event),
+                    .m_skip     (cells_skip),
+                    .m_x        (cells_x),
+                    .m_y        (cells_y),
+                    .m_p        (cells_p),
+                    .m_support  (cells_support),
+                    .idle       (noise_idle)
+                );
+            end else begin : g_past
+                assign cells_valid   = in_valid[AT];
+                assign in_ready[AT]  = cells_ready;
+                assign cells_tick    = in_tick[AT*TICK_W +: TICK_W];
+                assign cells_event   = in_event[AT];
+                assign cells_skip    = in_skip[AT];
+                assign cells_x       = in_x[AT*X_W +: X_W];
+                assign cells_y       = in_y[AT*Y_W +: Y_W];
+                assign cells_p       = in_p[AT];
+                assign cells_support = 4'd0;
+                assign noise_idle    = 1'b1;
+            end
+
             filter_cells #(
                 .X_W    (X_W),
                 .Y_W    (Y_W),
@@ -306,7 +371,8 @@ module filter_chain #(
                 .WIDTH  (WIDTH),
                 .HEIGHT (HEIGHT),
                 .STAMP_W(STAMP_W),
-                .CELL_PX(CELL_PX)
+                .CELL_PX(CELL_PX),
+                .CELL_STAMP_W(CELL_STAMP_W)
             ) u_cells (
                 .clk              (clk),
                 .rst              (rst),
@@ -314,16 +380,16 @@ module filter_chain #(
                 .enable_activity  (enable[ACTIVITY] && BUILT[ACTIVITY]),
                 .refractory_ticks (refractory_ticks),
                 .activity_ticks   (activity_ticks),
-                .activity_support (activity_support),
                 .stamp_shift      (stamp_shift),
-                .s_valid          (in_valid[AT]),
-                .s_ready          (in_ready[AT]),
-                .s_tick           (in_tick[AT*TICK_W +: TICK_W]),
-                .s_event          (in_event[AT]),
-                .s_skip           (in_skip[AT]),
-                .s_x              (in_x[AT*X_W +: X_W]),
-                .s_y              (in_y[AT*Y_W +: Y_W]),
-                .s_p              (in_p[AT]),
+                .s_valid          (cells_valid),
+                .s_ready          (cells_ready),
+                .s_tick           (cells_tick),
+                .s_event          (cells_event),
+                .s_skip           (cells_skip),
+                .s_x              (cells_x),
+                .s_y              (cells_y),
+                .s_p              (cells_p),
+                .s_support        (cells_support),
                 .m_valid          (out_valid[AT]),
                 .m_ready          (out_ready[AT]),
                 .m_tick           (out_tick[AT*TICK_W +: TICK_W]),
@@ -332,7 +398,7 @@ module filter_chain #(
                 .m_x              (out_x[AT*X_W +: X_W]),
                 .m_y              (out_y[AT*Y_W +: Y_W]),
                 .m_p              (out_p[AT]),
-                .idle             (filter_idle[AT])
+                .idle             (cells_idle)
             );
         end
         if (BUILT[ACTIVITY] && CELL_PX == 0) begin : g_activity
@@ -474,7 +540,7 @@ module filter_chain #(
     // What the filters that are not built would read.
     wire unused = &{1'b0, enable, region_x0, region_x1, region_y0, region_y1, polarity, refractory_ticks, activity_ticks,
                     activity_support, recent_ticks, recent_radius, recent_support, decay_rate, decay_epsilon, decay_support,
-                    rowcol_ticks, rowcol_radius, rowcol_support, stamp_shift, mask_valid, mask_x, mask_y, mask_hot};
+                    rowcol_ticks, rowcol_radius, rowcol_support, stamp_shift, noise_log2, noise_least, mask_valid, mask_x, mask_y, mask_hot};
 
 endmodule
 

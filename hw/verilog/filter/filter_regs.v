@@ -43,6 +43,8 @@ module filter_regs #(
     output reg  [3:0]         rowcol_radius,
     output reg  [2:0]         rowcol_support,
     output reg  [3:0]         stamp_shift,
+    output reg  [4:0]         noise_log2,
+    output reg  [5*16-1:0]    noise_least,       // noise_2 in the low bits
     output reg                mask_valid,        // mark one pixel
     output reg  [15:0]        mask_x,
     output reg  [14:0]        mask_y,
@@ -74,6 +76,12 @@ module filter_regs #(
                 `EVCOT_FREG_ROWCOL_RADIUS:    rowcol_radius              <= cfg_data[3:0];
                 `EVCOT_FREG_ROWCOL_SUPPORT:   rowcol_support             <= cfg_data[2:0];
                 `EVCOT_FREG_STAMP_SHIFT:      stamp_shift                <= cfg_data[3:0];
+                `EVCOT_FREG_NOISE_LOG2:       noise_log2                 <= cfg_data[4:0];
+                `EVCOT_FREG_NOISE_2:          noise_least[0 +: 16]       <= cfg_data[15:0];
+                `EVCOT_FREG_NOISE_3:          noise_least[16 +: 16]      <= cfg_data[15:0];
+                `EVCOT_FREG_NOISE_4:          noise_least[32 +: 16]      <= cfg_data[15:0];
+                `EVCOT_FREG_NOISE_5:          noise_least[48 +: 16]      <= cfg_data[15:0];
+                `EVCOT_FREG_NOISE_6:          noise_least[64 +: 16]      <= cfg_data[15:0];
                 `EVCOT_FREG_MASK:             {mask_hot, mask_y, mask_x} <= cfg_data;
                 default: ;
             endcase

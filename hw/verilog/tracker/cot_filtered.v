@@ -21,6 +21,7 @@ module cot_filtered #(
     parameter STAMP_W = 20,  // bits of a time stamp in a filter's memory
     parameter RECENT_DEPTH = 32,  // events in the FIFO of recent events
     parameter CELL_PX = 0,   // side of a cell of the filters' memory in pixels; 0: a time stamp per pixel and filter
+    parameter CELL_STAMP_W = 0,  // bits of a time stamp in a cell of refractory and activity; 0: as many as 9 bits hold
     parameter N       = 8,   // tracker slots
     parameter X_W     = 9,   // bits of an x address
     parameter Y_W     = 9,   // bits of a y address
@@ -118,7 +119,8 @@ module cot_filtered #(
         .HEIGHT      (HEIGHT),
         .STAMP_W     (STAMP_W),
         .RECENT_DEPTH(RECENT_DEPTH),
-        .CELL_PX     (CELL_PX)
+        .CELL_PX     (CELL_PX),
+        .CELL_STAMP_W(CELL_STAMP_W)
     ) u_filters (
         .clk      (clk),
         .rst      (rst),

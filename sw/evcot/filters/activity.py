@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from .._numba_private import step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
-from .cells import CellMemory, cell_of, supporting_cells
 from .contract import FilterShape
 from .registers import FilterRegisters
 
@@ -24,30 +23,14 @@ class ActivityFilter(EventFilter):
 
     About 8 ns per event, independent of the support. The memory has a border of one pixel without events, so that neighbours
     need no bounds check.
-
-    With cells, the 9 cells around support it, its own if that cell's last event was on another pixel; times are in units of
-    2^stamp_shift ticks.
     """
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._ticks = registers.activity_ticks
         self._support = registers.activity_support
-        self._cells: CellMemory | None = None
-        if shape.cell_px:
-            self._cells = CellMemory(shape)
-            self._shift = registers.stamp_shift
-            self._units = min(registers.activity_ticks >> registers.stamp_shift, shape.units_max - 1)
-            self._size = shape.width, shape.height
-        else:
-            self._last = per_pixel(shape, NEVER, border=1)
+        self._last = per_pixel(shape, NEVER, border=1)
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
-        if self._cells is not None:
-            cells = self._cells
-            memory = cells.last, cells.place, cells.bits
-            rule = self._shift, self._units, self._support
-            _narrow_cells(*memory, *self._size, *rule, events.ticks, events.x, events.y, keep)
-            return
         _narrow(self._last, self._ticks, self._support, events.ticks, events.x, events.y, keep)
 
 
@@ -86,16 +69,3 @@ def _narrow(last, window, support, ticks, x, y, keep):  # type: ignore[no-untype
         keep[i] = False
         if x[i] < width and y[i] < height:
             keep[i] = supporters(last, ticks[i] - window, ticks[i], x[i], y[i]) >= support
-
-
-@njit(cache=True, nogil=True)
-def _narrow_cells(last, place, bits, width, height, shift, window, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
-    for i in range(len(keep)):
-        if not keep[i]:
-            continue
-        keep[i] = False
-        if x[i] < width and y[i] < height:
-            row, column, here = cell_of(np.int64(x[i]), np.int64(y[i]), bits)
-            unit = ticks[i] >> shift
-            keep[i] = supporting_cells(last, place, row, column, here, unit - window) >= support
-            last[row, column], place[row, column] = unit, here

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from ..ticks import TickedEvents
 from .activity import ActivityFilter
 from .base import EventFilter
+from .cells import CellsFilter
 from .contract import Filter, FilterShape
 from .decay import DecayFilter
 from .mask import MaskFilter
+from .noise import NoiseLevel
 from .polarity import PolarityFilter
 from .recent import RecentFilter
 from .refractory import RefractoryFilter
@@ -54,13 +56,38 @@ class FilterChain(EventFilter):
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         registers.check(shape)
-        self._filters = {which: FILTERS[which](registers, shape) for which in Filter if registers.enables(which)}
-        self.totals = dict.fromkeys(self._filters, Total(0, 0))
+        enabled = [which for which in Filter if registers.enables(which)]
+        self._cells: CellsFilter | None = None
+        self._stages: list[tuple[list[Filter], EventFilter]] = []
+        joined: list[Filter] = [which for which in enabled if which in (Filter.REFRACTORY, Filter.ACTIVITY)] if shape.cell_px else []
+        for which in enabled:
+            if which not in joined:
+                self._stages.append(([which], FILTERS[which](registers, shape)))
+            elif which == joined[0]:
+                self._cells = CellsFilter(registers, shape)
+                self._stages.append((joined, self._cells))
+        self.totals = dict.fromkeys(enabled, Total(0, 0))
+
+    @property
+    def noise(self) -> NoiseLevel | None:
+        """What the support of the activity filter follows; None if it follows nothing."""
+        return self._cells.noise if self._cells else None
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
         left = int(np.count_nonzero(keep))
-        for which, stage in self._filters.items():
+        for filters, stage in self._stages:
             stage.narrow(events, keep)
             seen, left = left, int(np.count_nonzero(keep))
-            before = self.totals[which]
-            self.totals[which] = Total(before.seen + seen, before.dropped + seen - left)
+            if isinstance(stage, CellsFilter):
+                self._count_cells(stage, filters)
+                continue
+            before = self.totals[filters[0]]
+            self.totals[filters[0]] = Total(before.seen + seen, before.dropped + seen - left)
+
+    def _count_cells(self, stage: CellsFilter, filters: list[Filter]) -> None:
+        seen, rested, sent = stage.counts.tolist()
+        if Filter.REFRACTORY in filters:
+            self.totals[Filter.REFRACTORY] = Total(seen, seen - rested)
+        if Filter.ACTIVITY in filters:
+            reached = rested if Filter.REFRACTORY in filters else seen
+            self.totals[Filter.ACTIVITY] = Total(reached, reached - sent)

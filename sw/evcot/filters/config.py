@@ -10,10 +10,22 @@ from typing import Any, Literal
 
 from ..errors import ConfigError
 from ..ranges import Range, check_ranges
-from .contract import CELL_PX, CELL_STAMP_W, CLOCK_FRAC, FILTER_REGISTERS, UNITS_PER_HALF_LIFE, Filter, FilterShape
+from .contract import (
+    CELL_PX,
+    CELL_STAMP_W,
+    CLOCK_FRAC,
+    FILTER_REGISTERS,
+    NOISE_SUPPORTS,
+    UNITS_PER_HALF_LIFE,
+    Filter,
+    FilterShape,
+)
+from .noise import thresholds
 from .registers import FilterRegisters
 
 __all__ = ["FILTER_RANGES", "FilterConfig"]
+
+_NOISE_WINDOW_US = 1 << 14
 
 # field -> (lowest, highest, meaning)
 FILTER_RANGES: dict[str, Range] = {
@@ -44,7 +56,7 @@ class FilterConfig:
         polarity: the polarity that passes; None is off.
         hot_pixels: (x, y) of the pixels that are masked.
         activity_noise_hz: events of noise that may pass the activity filter, per pixel and second: the noise is measured, and
-            activity_support follows it, and pixels that never rest are masked, too; in software only. 0 is off.
+            activity_support follows it; needs memories of cells. 0 is off.
         cell_px: memories of refractory, activity and decay: 0, a time stamp per pixel in each; 1, 2 or 4, cells of this side,
             with one memory for the first two.
 
@@ -88,10 +100,9 @@ class FilterConfig:
             raise ConfigError(f"filters.cell_px = {self.cell_px}: must be 0, 1, 2 or 4")
         if self.activity_noise_hz and not self.activity_us:
             raise ConfigError(f"filters.activity_noise_hz = {self.activity_noise_hz:g}: must be 0 without activity_us")
-        if self.activity_noise_hz and self.cell_px:
-            raise ConfigError(
-                f"filters.activity_noise_hz = {self.activity_noise_hz:g}: must be 0 with cell_px = {self.cell_px}"
-            )
+        if self.activity_noise_hz and not self.cell_px:
+            rule = "must be 0 without memories of cells; set cell_px to 1, 2 or 4"
+            raise ConfigError(f"filters.activity_noise_hz = {self.activity_noise_hz:g}: {rule}")
         if self.recent_support > self.recent_depth:
             raise ConfigError(
                 f"filters.recent_support = {self.recent_support}: must be at most recent_depth = {self.recent_depth}"
@@ -99,8 +110,8 @@ class FilterConfig:
 
     def changed(self, given: Mapping[str, Any]) -> FilterConfig:
         """These filters with other values for some fields: an activity filter that is off, has its neighbours from there, or
-        has memories of cells, follows no noise unless they say so."""
-        holds = given.get("activity_us") == 0 or "activity_support" in given or given.get("cell_px")
+        has no memories of cells, follows no noise unless they say so."""
+        holds = given.get("activity_us") == 0 or "activity_support" in given or given.get("cell_px") == 0
         return replace(self, **({"activity_noise_hz": 0.0} if holds else {}) | dict(given))
 
     @property
@@ -146,7 +157,7 @@ class FilterConfig:
             polarity=int(self.polarity != "off"),
             refractory_ticks=refractory or 1,
             activity_ticks=activity,
-            activity_support=self.activity_support,
+            activity_support=0 if self.activity_noise_hz else self.activity_support,
             recent_ticks=self._ticks("recent", tick_us),
             recent_radius=self.recent_radius,
             recent_support=self.recent_support,
@@ -157,6 +168,7 @@ class FilterConfig:
             rowcol_radius=self.rowcol_radius,
             rowcol_support=self.rowcol_support,
             stamp_shift=self._stamp_shift(refractory, activity, tick_us),
+            **self._noise_registers(tick_us),
             hot_pixels=self.hot_pixels,
         )
 
@@ -185,6 +197,14 @@ class FilterConfig:
                 f"filters.refractory_us = {self.refractory_us}: must be at least {unit}, {stamps}; or a smaller cell_px"
             )
         return shift
+
+    def _noise_registers(self, tick_us: int) -> dict[str, int]:
+        """The longest window, of about 16 ms, and the thresholds of the support; reset values if it holds."""
+        if not self.activity_noise_hz:
+            return {}
+        noise_log2 = max((_NOISE_WINDOW_US // tick_us).bit_length() - 1, 0)
+        least = thresholds(self.activity_us, self.activity_noise_hz, (1 << noise_log2) * tick_us)
+        return {"noise_log2": noise_log2, **{f"noise_{n}": one for n, one in zip(NOISE_SUPPORTS, least, strict=True)}}
 
     def _decay_rate(self, tick_us: int) -> int:
         """Units of the decay clock per tick, in 2^-24; 1 if the filter is off."""

@@ -13,11 +13,14 @@ from ..errors import ConfigError
 from ..ranges import check_integer
 
 __all__ = [
+    "CELL_LOG2",
     "CELL_PX",
     "CELL_STAMP_W",
     "CLOCK_FRAC",
     "FILTER_REGISTERS",
     "FILTER_SHAPE_RANGES",
+    "NOISE_SHORTER",
+    "NOISE_SUPPORTS",
     "UNITS_PER_HALF_LIFE",
     "Filter",
     "FilterRegister",
@@ -45,6 +48,15 @@ CELL_STAMP_W: dict[int, int] = {1: 9, 2: 7, 4: 5}
 CELL_PX = (0, *CELL_STAMP_W)
 """Legal values of `FilterShape.cell_px`."""
 
+CELL_LOG2 = 3
+"""log2 of the side of a cell in which noise is counted, in pixels."""
+
+NOISE_SHORTER = 6
+"""The shortest window in which noise is counted is 2^-6 of the longest."""
+
+NOISE_SUPPORTS = range(2, 7)
+"""Numbers of neighbours with a threshold of their own; below the first an event needs one."""
+
 # The clock of the decay filter counts units; it has fractional bits.
 UNITS_PER_HALF_LIFE = 32
 CLOCK_FRAC = 24
@@ -56,6 +68,7 @@ FILTER_SHAPE_RANGES: dict[str, tuple[int, int, str]] = {
     "stamp_w": (4, 32, "bits of a time stamp in a filter's memory"),
     "recent_depth": (1, 256, "events in the FIFO of recent events"),
     "cell_px": (0, 4, "side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter"),
+    "cell_stamp_w": (0, 32, "bits of a time stamp of refractory and activity in a cell; 0: as many as 9 bits hold"),
 }
 
 
@@ -72,6 +85,7 @@ class FilterShape:
     stamp_w: int = 20
     recent_depth: int = 32
     cell_px: int = 0
+    cell_stamp_w: int = 0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -79,6 +93,9 @@ class FilterShape:
             check_integer(f"filter shape.{field.name}", getattr(self, field.name), low, high, meaning)
         if self.cell_px not in CELL_PX:
             raise ConfigError(f"filter shape.cell_px = {self.cell_px}: must be 0, 1, 2 or 4")
+        if self.cell_stamp_w and not (self.cell_px and self.cell_stamp_w >= CELL_STAMP_W[self.cell_px]):
+            rule = "must be 0, or at least the bits that the contract gives cells of this size"
+            raise ConfigError(f"filter shape.cell_stamp_w = {self.cell_stamp_w}: {rule}")
 
     @property
     def units_max(self) -> int:
@@ -112,7 +129,7 @@ FILTER_REGISTERS: dict[str, FilterRegister] = {
     "polarity": FilterRegister(5, 0, 1, "polarity that stays"),
     "refractory_ticks": FilterRegister(6, 1, None, "ticks for which a pixel is silent after an event that stayed"),
     "activity_ticks": FilterRegister(7, 0, None, "oldest neighbour that supports an event"),
-    "activity_support": FilterRegister(8, 1, 8, "neighbours that an event needs"),
+    "activity_support": FilterRegister(8, 0, 8, "neighbours that an event needs; 0: they follow the noise"),
     "recent_ticks": FilterRegister(9, 0, None, "age past which an event leaves the FIFO"),
     "recent_radius": FilterRegister(10, 1, 15, "how near an event in the FIFO must be to support another"),
     "recent_support": FilterRegister(11, 1, 256, "events in the FIFO that an event needs"),
@@ -124,6 +141,13 @@ FILTER_REGISTERS: dict[str, FilterRegister] = {
     "rowcol_radius": FilterRegister(17, 1, 15, "how near along its row or column it must be"),
     "rowcol_support": FilterRegister(18, 1, 6, "rows and columns whose last events an event needs"),
     "stamp_shift": FilterRegister(19, 0, 15, "log2 of the ticks in a unit of the time stamps of cells"),
+    "noise_log2": FilterRegister(20, 0, 20, "log2 of the ticks in the longest window in which noise is counted"),
+    **{
+        f"noise_{support}": FilterRegister(
+            19 + support, 0, 65535, f"least noise at which an event needs {support} neighbours, per cell and window, in 1/256"
+        )
+        for support in NOISE_SUPPORTS
+    },
 }
 
 

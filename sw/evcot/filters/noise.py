@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rate of noise, measured while a stream goes on; and how many neighbours an activity filter then needs."""
+"""The noise of a stream, measured in integers while the stream goes on, and the neighbours that an event then needs.
+
+docs/filters.md, "Support that follows the noise", is the contract; `noise_support.v` is the hardware.
+"""
 
 from __future__ import annotations
 
@@ -7,112 +10,129 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from .._numba_private import step
-from ..bits import count
+from .contract import CELL_LOG2, NOISE_SHORTER, NOISE_SUPPORTS, FilterShape
+from .registers import FilterRegisters
 
-__all__ = ["MANY_EMPTY", "WINDOW_US", "NoiseRate", "close", "median_pixels", "note", "rate_of", "support_against"]
+__all__ = ["UNKNOWN_SUPPORT", "NoiseLevel", "note", "thresholds"]
 
-WINDOW_US = 20_000
-_CELL_BITS = 3  # cells of 8 x 8 pixels: a word each
-_LASTING = 20  # windows, after which one counts no more
-MANY_EMPTY = 0.3  # share of the cells, from which on their number says how much noise there is
-_MEDIAN_ABOVE = 0.17  # the mean of a Poisson distribution lies about a sixth above its median, in proportion within a count
-_EMPTIEST = 0.05  # share of the pixels without an event, below which it tells nothing
-_MOST_NEIGHBOURS = 6
-_HZ, _SHARE, _WINDOWS = range(3)  # of the state
+UNKNOWN_SUPPORT = 9  # neighbours, of eight: nothing passes before the noise is known
+
+# A cell's word: the place of an event, whether another pixel had one, too, and the number of the window.
+_PLACE_BITS = 2 * CELL_LOG2
+_SEVERAL = 1 << _PLACE_BITS
+_NUMBER_AT = _PLACE_BITS + 1
+_NUMBERS = 1 << 11
+_SMOOTHED = 4  # log2 of the windows over which the means reach
+_FRAC = 8
+_LEVEL_MAX = 65_535
+
+# State: tick >> log2 of the open window, log2 of how much shorter than the longest it is, its number; its cells with an event,
+# and those with one pixel; windows so far, the means of cells with one pixel and of empty ones, the level, and the support.
+_WINDOW, _SHORTER, _NUMBER, _TOUCHED, _ALONE, _WINDOWS, _MEAN_ALONE, _MEAN_EMPTY, LEVEL, SUPPORT = range(10)
 
 
-class NoiseRate:
-    """Events per pixel and second of the background, from the pixels that sent any in windows of `WINDOW_US`.
+class NoiseLevel:
+    """The noise of a stream, and the support that follows it. About 2 ns per event.
 
-    It is the mean of the windows so far, or one that the last 0.4 s have most weight in. Cells with moving objects hold more
-    than noise: if many cells are empty, those with one pixel are compared with these, since cells with objects are of neither
-    kind; else the median over the cells counts. About 2 ns per event.
-
-    Compiled functions write down pixels with `note`, and end windows with `close`; both need its tables.
+    Compiled functions note events with `note`, and pass `words`, `state` and `rule`.
 
     Attributes:
-        pixels: uint64, a word for each cell: the pixels that sent an event in the open window.
-        state: (3,) float64: the rate, the share of the newest window in it, and the number of windows so far.
+        words: (rows, columns) int64, a word for each cell of 8 x 8 pixels that lies wholly on the sensor.
+        state: int64, see above.
+        rule: int64: log2 of the ticks in the longest window, and the thresholds of the support.
     """
 
-    def __init__(self, width: int, height: int) -> None:
-        side = 1 << _CELL_BITS
-        self.pixels = np.zeros((-(-height // side), -(-width // side)), np.uint64)
-        self.state = np.array([0.0, 1.0, 0.0])
+    def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
+        columns, rows = (max(pixels >> CELL_LOG2, 1) for pixels in (shape.width, shape.height))
+        self.words = np.zeros((rows, columns), np.int64)
+        self.state = np.zeros(SUPPORT + 1, np.int64)
+        self.state[_NUMBER], self.state[SUPPORT] = 1, UNKNOWN_SUPPORT
+        least = [getattr(registers, f"noise_{support}") for support in NOISE_SUPPORTS]
+        self.rule = np.array([registers.noise_log2, *least], np.int64)
 
     @property
-    def hz(self) -> float | None:
-        """The estimate; None before the end of the first window."""
-        return float(self.state[_HZ]) if self.state[_WINDOWS] else None
+    def level(self) -> int | None:
+        """Events per cell and longest window, in 1/256; None before the end of the first window."""
+        return int(self.state[LEVEL]) if self.state[_WINDOWS] else None
+
+    @property
+    def support(self) -> int:
+        """Neighbours that an event needs now."""
+        return int(self.state[SUPPORT])
 
 
 @step
-def note(pixels: Any, x: int, y: int) -> None:
-    """A pixel has sent an event."""
-    bit = ((y & 7) << 3) | (x & 7)
-    pixels[y >> _CELL_BITS, x >> _CELL_BITS] |= np.uint64(1) << np.uint64(bit)
+def note(words: Any, state: Any, rule: Any, tick: int, x: int, y: int) -> int:
+    """Note an event on the sensor; returns the neighbours that it needs."""
+    if tick >> (rule[0] - state[_SHORTER]) != state[_WINDOW]:
+        _end(words, state, rule, tick)
+    row, column = y >> CELL_LOG2, x >> CELL_LOG2
+    if row < words.shape[0] and column < words.shape[1]:
+        place = (y & 7) << CELL_LOG2 | (x & 7)
+        word = words[row, column]
+        if word >> _NUMBER_AT != state[_NUMBER]:
+            words[row, column] = state[_NUMBER] << _NUMBER_AT | place
+            state[_TOUCHED] += 1
+            state[_ALONE] += 1
+        elif not word & _SEVERAL and word & (_SEVERAL - 1) != place:
+            words[row, column] = word | _SEVERAL
+            state[_ALONE] -= 1
+    return int(state[SUPPORT])
 
 
 @njit(cache=True, nogil=True)
-def close(pixels: Any, state: Any, windows: int) -> float:
-    """End the window, and `windows` - 1 after it that held no event; returns the rate, in Hz."""
-    rate = _rate(pixels, 1e-6 * WINDOW_US)
-    pixels[:] = 0
-    state[_HZ] += state[_SHARE] * (rate - state[_HZ])
-    state[_SHARE] = max(state[_SHARE] / (1.0 + state[_SHARE]), 1.0 / _LASTING)  # at first the mean of all
-    state[_HZ] *= (1.0 - state[_SHARE]) ** (windows - 1)
-    state[_WINDOWS] += windows
-    return float(state[_HZ])
+def _end(words: Any, state: Any, rule: Any, tick: int) -> None:
+    """End the open window, if it had an event, and open that of a tick."""
+    if state[_TOUCHED]:
+        cells, most = words.size, min(NOISE_SHORTER, rule[0])
+        empty, shorter, windows = cells - state[_TOUCHED], state[_SHORTER], state[_WINDOWS]
+        dense = 4 * empty < cells
+        if not dense or shorter == most:
+            state[_MEAN_ALONE] += ((state[_ALONE] << (shorter + _FRAC)) - state[_MEAN_ALONE]) >> windows
+            state[_MEAN_EMPTY] += ((empty << _FRAC) - state[_MEAN_EMPTY]) >> windows
+            state[_WINDOWS] = min(windows + 1, _SMOOTHED)
+            level = _LEVEL_MAX
+            if state[_MEAN_EMPTY] > 0:
+                level = min((state[_MEAN_ALONE] << _FRAC) // state[_MEAN_EMPTY], _LEVEL_MAX)
+            state[LEVEL], state[SUPPORT] = level, 1
+            for least in rule[1:]:
+                state[SUPPORT] += level >= least
+        if dense:
+            state[_SHORTER] = min(shorter + 1, most)
+        elif 4 * state[_TOUCHED] < cells:
+            state[_SHORTER] = max(shorter - 1, 0)
+        state[_TOUCHED] = state[_ALONE] = 0
+        state[_NUMBER] = (state[_NUMBER] + 1) & (_NUMBERS - 1)
+    state[_WINDOW] = tick >> (rule[0] - state[_SHORTER])
 
 
-@njit(cache=True, nogil=True)
-def support_against(noise_hz: float, within_us: float, passing_hz: float) -> int:
-    """The fewest of eight neighbours that noise must have sent events in, so that at most `passing_hz` a pixel of it passes.
+def thresholds(within_us: float, passing_hz: float, window_us: float) -> list[int]:
+    """The least levels of noise at which an event needs 2, 3, ... 6 neighbours, so that at most `passing_hz` a pixel passes.
 
-    The events of the neighbours within that time have a Poisson distribution; none is needed of noise that is less already.
-    """
-    by_chance = 8e-6 * noise_hz * within_us
-    exactly = np.exp(-by_chance)  # the probability of as many events as neighbours
-    at_least = 1.0
-    for neighbours in range(_MOST_NEIGHBOURS):
-        if noise_hz * at_least <= passing_hz:
-            return neighbours
-        at_least -= exactly
-        exactly *= by_chance / (neighbours + 1)
-    return _MOST_NEIGHBOURS
-
-
-@step
-def median_pixels(counts: Any, cells: int) -> float:
-    """The mean number of pixels in a cell by the median over all: cells with objects hold more.
+    Events of noise in the 8 neighbours within the time have a Poisson distribution. A level counts events per cell of 8 x 8
+    pixels and longest window, in 1/256.
 
     Args:
-        counts: (65,) int64, number of cells with so many pixels.
-        cells: their sum.
+        within_us: time of the activity filter.
+        passing_hz: events of noise that may pass, per pixel and second.
+        window_us: length of the longest window.
     """
-    below, k = counts[0], 0
-    while below < 0.5 * cells:
-        k += 1
-        below += counts[k]
-    # Within the median's own count, in proportion.
-    return float(k + 0.5 - (below - 0.5 * cells) / max(counts[k], 1) + _MEDIAN_ABOVE)
+    rates_hz = np.geomspace(1e-4, 1e4, 80_001)  # per pixel, in steps of 0.02 %
+    mean = 8e-6 * rates_hz * within_us
+    at_least, exactly = np.ones_like(mean), np.exp(-mean)
+    found = []
+    for neighbours in NOISE_SUPPORTS:
+        at_least = at_least - exactly  # the probability of as many events, one fewer than `neighbours`
+        exactly = exactly * mean / (neighbours - 1)
+        found.append(_least(rates_hz, rates_hz * at_least > passing_hz, window_us))
+    return found
 
 
-@step
-def rate_of(pixels: float, window_s: float) -> float:
-    """Events per pixel and second that leave so many of a cell's pixels with one event or more in a window, on average."""
-    return float(-np.log(max(1.0 - pixels / 64.0, _EMPTIEST)) / window_s)
-
-
-@njit(cache=True, nogil=True)
-def _rate(pixels, window_s):  # type: ignore[no-untyped-def]
-    counts = np.zeros(65, np.int64)
-    for row in range(pixels.shape[0]):
-        for column in range(pixels.shape[1]):
-            counts[count(pixels[row, column])] += 1
-    cells = pixels.size
-    if counts[0] < MANY_EMPTY * cells:
-        return rate_of(median_pixels(counts, cells), window_s)
-    return rate_of(min(counts[1] / counts[0], -np.log(counts[0] / cells)), window_s)
+def _least(rates_hz: NDArray[np.float64], passes: NDArray[np.bool_], window_us: float) -> int:
+    if not passes.any():
+        return _LEVEL_MAX
+    level = rates_hz[np.argmax(passes)] * 1e-6 * window_us * (1 << (_PLACE_BITS + _FRAC))
+    return int(min(max(round(level), 1), _LEVEL_MAX))

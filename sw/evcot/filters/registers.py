@@ -39,6 +39,12 @@ class FilterRegisters:
     rowcol_radius: int = 1
     rowcol_support: int = 1
     stamp_shift: int = 0
+    noise_log2: int = 14
+    noise_2: int = 65535
+    noise_3: int = 65535
+    noise_4: int = 65535
+    noise_5: int = 65535
+    noise_6: int = 65535
     hot_pixels: tuple[tuple[int, int], ...] = ()
 
     def enables(self, which: Filter) -> bool:
@@ -56,6 +62,8 @@ class FilterRegisters:
             check_integer(f"filters.{name}", getattr(self, name), *register.limits(shape), register.meaning)
         if shape.cell_px:
             self._check_units(shape)
+        elif self.enables(Filter.ACTIVITY) and not self.activity_support:
+            raise ConfigError("filters.activity_support = 0: must be 1 to 8 with cell_px = 0; noise is followed with cells only")
         for x, y in self.hot_pixels:
             if not (0 <= x < shape.width and 0 <= y < shape.height):
                 raise ConfigError(f"filters.hot_pixels holds ({x}, {y}): must lie on the {shape.width}x{shape.height} sensor")

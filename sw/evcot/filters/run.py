@@ -13,7 +13,6 @@ from ..ticks import TickCounter
 from .chain import FilterChain, Total
 from .config import FilterConfig
 from .contract import Filter
-from .following import FollowingChain
 
 __all__ = ["Filtered", "apply", "filtered"]
 
@@ -21,7 +20,7 @@ __all__ = ["Filtered", "apply", "filtered"]
 class Filtered(Iterator[Events]):
     """Iterator over the events that pass, block by block; `totals` are updated with each block."""
 
-    def __init__(self, blocks: Iterable[Events], chain: FilterChain | FollowingChain, tick_us: int) -> None:
+    def __init__(self, blocks: Iterable[Events], chain: FilterChain, tick_us: int) -> None:
         self._blocks = iter(blocks)
         self._chain = chain
         self._clock = TickCounter(tick_us)
@@ -51,15 +50,7 @@ def filtered(blocks: Iterable[Events], config: FilterConfig, sensor: tuple[int, 
     Raises:
         ConfigError: a time that cannot be represented in ticks, or a hot pixel outside the sensor.
     """
-    return Filtered(blocks, _chain_of(config, sensor, tick_us), tick_us)
-
-
-def _chain_of(config: FilterConfig, sensor: tuple[int, int], tick_us: int = 1) -> FilterChain | FollowingChain:
-    """The chain of these filters, in software; raises as `filtered` does."""
-    registers, shape = config.registers(tick_us), config.shape(*sensor)
-    if config.activity_noise_hz:
-        return FollowingChain(registers, shape, config.activity_noise_hz, tick_us)
-    return FilterChain(registers, shape)
+    return Filtered(blocks, FilterChain(config.registers(tick_us), config.shape(*sensor)), tick_us)
 
 
 def apply(recording: Recording, config: FilterConfig, tick_us: int = 1) -> tuple[Recording, NDArray[np.bool_]]:

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..events import Events, Recording
-from ..filters.base import EventFilter
 from ..ticks import TickCounter
 from ..tracks.log import TRACK, Kind, TrackLog
 from ..tracks.tracking import TrackerOutput, log_of
@@ -80,12 +79,10 @@ class GoldenTracker:
 
     Args:
         config: the hardware's.
-        before: a filter in front of the model, which has none itself.
     """
 
-    def __init__(self, config: CotConfig | MotionConfig, before: EventFilter | None = None) -> None:
+    def __init__(self, config: CotConfig | MotionConfig) -> None:
         self._config = config
-        self._before = before
         self._model = golden_model(config)
         self._clock = TickCounter(config.tick_us)
         self._seen = 0
@@ -93,7 +90,7 @@ class GoldenTracker:
     def feed(self, events: Events) -> TrackerOutput:
         """See `tracking.Tracker`."""
         ticked = self._clock.count(events)
-        decided = self._model.feed(ticked, self._before.feed(ticked) if self._before else None)
+        decided = self._model.feed(ticked)
         records = to_track_records(decided.records, self._config, events.t_us, self._seen, self._clock.t0_us)
         self._seen += len(events)
         return records, decided.owner

@@ -221,6 +221,12 @@ class _Filters(Group):
     rowcol_radius = BankRegister("filter", "rowcol_radius")
     rowcol_support = BankRegister("filter", "rowcol_support")
     stamp_shift = BankRegister("filter", "stamp_shift")
+    noise_log2 = BankRegister("filter", "noise_log2")
+    noise_2 = BankRegister("filter", "noise_2")
+    noise_3 = BankRegister("filter", "noise_3")
+    noise_4 = BankRegister("filter", "noise_4")
+    noise_5 = BankRegister("filter", "noise_5")
+    noise_6 = BankRegister("filter", "noise_6")
 
     def commit(self) -> None:
         """Make all values written take effect, at one point between two events."""

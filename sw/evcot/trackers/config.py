@@ -25,8 +25,8 @@ __all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "module_in", "r
 
 Software = Literal["adaptive", "rct"]
 
-# Bits of time stamps per pixel in simulated filters; decisions are those of 20 bits. A simulation has clocks only where there
-# are events, so the walk that renews old stamps (docs/filters.md) takes clocks that a chip has between events.
+# Bits of time stamps in simulated filters; decisions are those of fewer bits. A simulation has clocks only where there are
+# events, so the walk that renews old stamps (docs/filters.md) takes clocks that a chip has between events.
 _SIMULATED_STAMP_W = 24
 
 
@@ -73,17 +73,14 @@ class RunConfig:
         """
         if not self.filters.enabled:
             return self.hardware
-        if self.filters.activity_noise_hz:
-            rule = "must be 0 in hardware, whose registers hold; choose activity_support"
-            raise ConfigError(f"filters.activity_noise_hz = {self.filters.activity_noise_hz:g}: {rule}")
         if not width:
             if self.sensor is None:
                 raise ConfigError("device_config: width and height must be given: this configuration is for any sensor")
             width, height = self.sensor
         filters, shape = self.filters.registers(self.hardware.tick_us), self.filters.shape(width, height)
         filters.check(shape)
-        if not shape.cell_px:
-            shape = replace(shape, stamp_w=_SIMULATED_STAMP_W)
+        wide = {"cell_stamp_w": _SIMULATED_STAMP_W} if shape.cell_px else {"stamp_w": _SIMULATED_STAMP_W}
+        shape = replace(shape, **wide)
         return replace(self.hardware, filters=filters, filter_shape=shape)
 
     def to_dict(self) -> dict[str, Any]:

@@ -109,16 +109,12 @@ def _frames() -> _Parts:
 
 
 def _golden(module: Module) -> _Parts:
-    """A golden model has its filters inside, as the hardware has them; but those that follow the stream are before it."""
+    """A golden model has its filters inside, as the hardware has them."""
     from ..hardware.golden import GoldenTracker
     from . import presets
-    from .following import FollowingTracker
 
     def start(run: RunConfig, filters: FilterConfig, sensor: Sensor) -> Tracker:
-        fitted = presets.fit(run, *sensor)
-        if filters.activity_noise_hz:
-            return FollowingTracker(fitted.hardware, filters, sensor)
-        return GoldenTracker(replace(fitted, filters=filters).device_config(*sensor))
+        return GoldenTracker(replace(presets.fit(run, *sensor), filters=filters).device_config(*sensor))
 
     known = presets.presets_of(module)
     return _Parts(known, start, {name: run.filters for name, run in known.items()})

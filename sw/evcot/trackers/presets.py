@@ -15,9 +15,7 @@ from .config import RunConfig
 from .rct.config import RctConfig
 from .rct.presets import PRESETS as RCT_PRESETS
 
-__all__ = ["AUTO", "FOLLOWING", "MOTION", "PRESETS", "fit", "for_sensor", "preset", "presets_of", "run_config"]
-
-AUTO = "auto"  # settings estimated from the stream: as a tracker's preset `FOLLOWING`, of a whole run `auto.auto_config`
+__all__ = ["MOTION", "PRESETS", "fit", "for_sensor", "preset", "presets_of", "run_config"]
 
 
 def _paper(name: str, n_ev: int, max_ticks: int) -> RunConfig:
@@ -113,11 +111,11 @@ _REGISTERS = MotionRegisters(
 MOTION = RunConfig(
     "motion",
     MotionConfig(Shape(n_slots=16), _REGISTERS),
-    filters=FilterConfig(refractory_us=1_000, activity_us=10_000),
+    filters=FilterConfig(refractory_us=1_000, activity_us=40_000, activity_noise_hz=0.03, cell_px=1),
     software="adaptive",
     software_filters=FilterConfig(),
 )
-"""The default: objects of any size that move (docs/motion.md)."""
+"""The default of every command: objects of any size that move (docs/motion.md), behind a filter that follows the noise."""
 
 PRESETS: dict[str, RunConfig] = {
     config.name: config
@@ -134,14 +132,6 @@ PRESETS: dict[str, RunConfig] = {
         _discs(),
     )
 }
-
-FOLLOWING = replace(
-    MOTION,
-    name=AUTO,
-    hardware=MotionConfig(Shape(n_slots=32), _REGISTERS),
-    filters=replace(MOTION.filters, activity_us=40_000, activity_noise_hz=0.03),
-)
-"""cot_motion on any recording or live stream: its noise filter follows the noise, all else follows the objects."""
 
 # Maximum sensor width for each preset.
 _WIDTHS = {"dvs128": 128, "davis346": 346, "vga": 640, "hd": 1280}
@@ -166,7 +156,7 @@ def for_sensor(width: int) -> RunConfig:
 def presets_of(module: Module) -> dict[str, RunConfig]:
     """name -> preset, of those that configure a module; a single `cot` has one slot and no filters."""
     if module == "cot_motion":
-        return {AUTO: FOLLOWING, MOTION.name: MOTION}
+        return {MOTION.name: MOTION}
     return {name: _for_module(config, module) for name, config in PRESETS.items() if config is not MOTION}
 
 

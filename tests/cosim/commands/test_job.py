@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from evcot.trackers.auto import auto_config, summary_line
 
 from evcot.events import Recording
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.adaptive.estimates import estimate
-from evcot.trackers.auto import auto_config, summary_line
 from evcot.trackers.config import RunConfig, load_toml
 from evcot_cosim.cli import main, parser
 from evcot_cosim.commands.actions import job
@@ -146,5 +146,5 @@ def test_a_long_recording_is_looked_at_by_kernels_that_another_process_compiled(
     options.claims = claims_of(options)
     for most, aside in ((1_000, [estimate]), (None, [])):
         compiled.clear()
-        assert job.job_from(options, auto=True, most=most).more == (most is not None)
+        assert job.job_from(options, most=most).more == (most is not None)
         assert compiled == aside

@@ -19,7 +19,7 @@ from support.ticked import ticked
 
 TOP = "filter_cells"
 SIDES = list(CELL_STAMP_W)
-PORTS = ("refractory_ticks", "activity_ticks", "activity_support", "stamp_shift")
+PORTS = ("refractory_ticks", "activity_ticks", "s_support", "stamp_shift")
 
 
 def device_of(width: int, height: int, cell_px: int, tick_w: int = 8, stamp_w: int = 12) -> FilterDevice:

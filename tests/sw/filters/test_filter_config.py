@@ -71,7 +71,7 @@ class TestConfig:
     def test_a_number_takes_its_limits_and_nothing_beyond(self, name: str) -> None:
         low, high, meaning = FILTER_RANGES[name]
         for value in (low, high):
-            assert getattr(FilterConfig(**{"recent_depth": 256, "activity_us": 1, name: value}), name) == value  # type: ignore[arg-type]
+            assert getattr(FilterConfig(**{"recent_depth": 256, "activity_us": 1, "cell_px": 1, name: value}), name) == value  # type: ignore[arg-type]
         for wrong in (low - 1, high + 1, True, "2"):
             rule = f"must be from {span(low, high)} ({meaning})"
             assert refusal(**{name: wrong}) == f"filters.{name} = {wrong!r}: {rule}"
@@ -90,7 +90,7 @@ class TestConfig:
             ({"hot_pixels": [(1, 2), (1, -2)]}, "hot_pixels holds (1, -2): must be [x, y], each from 0 to 65535"),
             ({"hot_pixels": [(1, 2.0)]}, "hot_pixels holds (1, 2.0): must be [x, y], each from 0 to 65535"),
             ({"activity_noise_hz": 0.5}, "activity_noise_hz = 0.5: must be 0 without activity_us"),
-            ({"activity_noise_hz": 0.5, "activity_us": 9, "cell_px": 2}, "activity_noise_hz = 0.5: must be 0 with cell_px = 2"),
+            ({"activity_noise_hz": 0.5, "activity_us": 9}, "activity_noise_hz = 0.5: must be 0 without memories of cells; set cell_px to 1, 2 or 4"),
             ({"recent_support": 9, "recent_depth": 8}, "recent_support = 9: must be at most recent_depth = 8"),
         ],
     )
@@ -101,10 +101,10 @@ class TestConfig:
         assert FilterConfig(hot_pixels=((1, 2), (3, 4), (1, 2))).hot_pixels == ((1, 2), (3, 4))
 
     def test_what_holds_the_neighbours_or_changes_their_meaning_stops_following_the_noise(self) -> None:
-        follows = FilterConfig(activity_us=9, activity_noise_hz=0.5)
-        for changes in ({"activity_us": 0}, {"activity_support": 2}, {"cell_px": 2}):
+        follows = FilterConfig(activity_us=9, activity_noise_hz=0.5, cell_px=1)
+        for changes in ({"activity_us": 0}, {"activity_support": 2}, {"cell_px": 0}):
             assert follows.changed(changes) == replace(follows, activity_noise_hz=0.0, **changes)
-        for changes in ({"activity_us": 8}, {"refractory_us": 7}, {"cell_px": 0}):
+        for changes in ({"activity_us": 8}, {"refractory_us": 7}, {"cell_px": 2}):
             assert follows.changed(changes) == replace(follows, **changes)
 
     def test_plain_values_survive_json(self) -> None:
@@ -173,7 +173,7 @@ class TestRegisters:
     def test_every_legal_configuration_gives_legal_registers(self) -> None:
         for name, (low, high, _) in FILTER_RANGES.items():
             for value in (low, high):
-                config = replace(FilterConfig(recent_depth=256, activity_us=1), **{name: value})  # type: ignore[arg-type]
+                config = replace(FilterConfig(recent_depth=256, activity_us=1, cell_px=1), **{name: value})  # type: ignore[arg-type]
                 if not config.enabled:
                     config.registers(1).check(config.shape(346, 260))
 

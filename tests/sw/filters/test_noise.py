@@ -1,98 +1,214 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rate of noise, by windows, and the neighbours that it asks for."""
+"""Support that follows the noise: the level by windows, and the neighbours that it asks for."""
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.typing import NDArray
 
-from evcot.filters.noise import WINDOW_US, NoiseRate, close, note, support_against
+from evcot.errors import ConfigError
+from evcot.filters.chain import FilterChain
+from evcot.filters.config import FilterConfig
+from evcot.filters.contract import Filter
+from evcot.filters.noise import UNKNOWN_SUPPORT, NoiseLevel, thresholds
+from evcot.filters.registers import FilterRegisters
+from evcot.ticks import TickedEvents
+from support.ticked import ticked
 
-WIDTH, HEIGHT = 346, 260
-SEED = 20260
-
-
-@njit
-def _note(pixels, x, y):  # type: ignore[no-untyped-def]
-    for i in range(len(x)):
-        note(pixels, x[i], y[i])
-
-
-def add(rate: NoiseRate, x: NDArray[np.int64], y: NDArray[np.int64]) -> None:
-    """Events of these pixels, in the open window."""
-    _note(rate.pixels, x, y)
+SENSOR = 128, 96
+FOLLOW = FilterConfig(activity_us=40_000, activity_noise_hz=0.03, cell_px=1)
+LEVEL_HZ = 64 * 256 * (1 << 14) * 1e-6  # level of 1 Hz per pixel
+SEED = 4711
 
 
-def end(rate: NoiseRate, windows: int = 1) -> None:
-    """The window ends, and so many more without an event."""
-    assert close(rate.pixels, rate.state, windows) == rate.hz
+def chain(config: FilterConfig = FOLLOW, sensor: tuple[int, int] = SENSOR) -> FilterChain:
+    return FilterChain(config.registers(1), config.shape(*sensor))
 
 
-def measured(noise_hz: float, windows: int = 60, block: tuple[int, int] | None = None) -> float:
-    """The rate after so many windows of Poisson noise; in a block of the sensor every pixel sends an event besides."""
+def level_of(filters: FilterChain) -> NoiseLevel:
+    assert filters.noise is not None
+    return filters.noise
+
+
+def noise(noise_hz: float, lasts_us: int, begin_us: int = 0) -> TickedEvents:
     random = np.random.default_rng(SEED)
-    rate = NoiseRate(WIDTH, HEIGHT)
-    for _ in range(windows):
-        count = random.poisson(noise_hz * 1e-6 * WINDOW_US * WIDTH * HEIGHT)
-        x, y = random.integers(WIDTH, size=count), random.integers(HEIGHT, size=count)
-        add(rate, x, y)
-        if block is not None:
-            rows, columns = np.mgrid[: block[0], : block[1]]
-            add(rate, columns.ravel(), rows.ravel())
-        end(rate)
-    assert rate.hz is not None
-    return rate.hz
+    count = random.poisson(noise_hz * 1e-6 * lasts_us * SENSOR[0] * SENSOR[1])
+    ticks = begin_us + np.sort(random.integers(lasts_us, size=count))
+    return ticked(ticks, random.integers(SENSOR[0], size=count), random.integers(SENSOR[1], size=count))
 
 
-@pytest.mark.parametrize("noise_hz", [0.01, 0.1, 1.0, 5.0, 20.0])
-def test_the_rate_of_noise_alone(noise_hz: float) -> None:
-    assert measured(noise_hz) == pytest.approx(noise_hz, rel=0.12)
+def joined(*parts: TickedEvents) -> TickedEvents:
+    columns = [np.concatenate([getattr(part, name) for part in parts]) for name in ("ticks", "x", "y", "p")]
+    order = np.argsort(columns[0], kind="stable")
+    return TickedEvents(*(column[order] for column in columns))
+
+
+def by_the_rule(events: TickedEvents, registers: FilterRegisters, width: int, height: int) -> list[tuple[int, int]]:
+    """docs/filters.md, "Support that follows the noise", event by event, with a dict: level and support of each event."""
+    columns, rows = max(width // 8, 1), max(height // 8, 1)
+    most = min(6, registers.noise_log2)
+    least = [getattr(registers, f"noise_{n}") for n in range(2, 7)]
+    shorter = window = windows = alone_mean = empty_mean = level = 0
+    number, support = 1, UNKNOWN_SUPPORT
+    last: dict[tuple[int, int], int] = defaultdict(int)  # cell -> number of the window of its last event, modulo 2048
+    pixels: dict[tuple[int, int], set[tuple[int, int]]] = {(x, y): {(0, 0)} for x in range(columns) for y in range(rows)}
+    open_cells: set[tuple[int, int]] = set()
+    found = []
+    for tick, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
+        if tick >> (registers.noise_log2 - shorter) != window:
+            if open_cells:
+                empty = columns * rows - len(open_cells)
+                alone = sum(len(pixels[cell]) == 1 for cell in open_cells)
+                dense, sparse = 4 * empty < columns * rows, 4 * len(open_cells) < columns * rows
+                if not dense or shorter == most:
+                    alone_mean += (alone * 2**shorter * 256 - alone_mean) // 2**windows
+                    empty_mean += (empty * 256 - empty_mean) // 2**windows
+                    windows = min(windows + 1, 4)
+                    level = min(256 * alone_mean // empty_mean, 65535) if empty_mean else 65535
+                    support = 1 + sum(level >= one for one in least)
+                shorter = min(shorter + 1, most) if dense else max(shorter - 1, 0) if sparse else shorter
+                number = (number + 1) % 2048
+                open_cells = set()
+            window = tick >> (registers.noise_log2 - shorter)
+        cell = x // 8, y // 8
+        if cell in pixels:
+            if last[cell] != number:
+                open_cells.add(cell)
+                last[cell], pixels[cell] = number, set()
+            pixels[cell].add((x % 8, y % 8))
+        found.append((level, support))
+    return found
+
+
+@pytest.mark.parametrize("noise_hz", [0.03, 0.3, 3.0, 20.0, 100.0])
+def test_the_level_of_noise_alone(noise_hz: float) -> None:
+    filters = chain()
+    filters.feed(noise(noise_hz, 1_000_000))
+    assert level_of(filters).level == pytest.approx(noise_hz * LEVEL_HZ, rel=0.15)
 
 
 @pytest.mark.parametrize("noise_hz", [0.1, 1.0, 5.0])
-def test_objects_that_cover_a_tenth_of_the_sensor_change_it_little(noise_hz: float) -> None:
-    assert measured(noise_hz, block=(80, 112)) == pytest.approx(noise_hz, rel=0.2)
+def test_objects_on_a_tenth_of_the_sensor_change_it_little(noise_hz: float) -> None:
+    random = np.random.default_rng(SEED)
+    objects = ticked(np.sort(random.integers(1_000_000, size=200_000)), *random.integers(35, size=(2, 200_000)))
+    filters = chain()
+    filters.feed(joined(noise(noise_hz, 1_000_000), objects))
+    assert level_of(filters).level == pytest.approx(noise_hz * LEVEL_HZ, rel=0.2)
 
 
-def test_unknown_until_the_first_window_ends() -> None:
-    rate = NoiseRate(16, 16)
-    assert rate.hz is None
-    end(rate)
-    assert rate.hz == 0.0
+def test_nothing_passes_before_the_first_window_ends() -> None:
+    filters = chain()
+    events = noise(1.0, 16_384)
+    assert not filters.feed(events).any()
+    assert (level_of(filters).level, level_of(filters).support) == (None, UNKNOWN_SUPPORT)
+    filters.feed(ticked(16_384, 5, 5))
+    assert level_of(filters).level == pytest.approx(LEVEL_HZ, rel=0.3)
 
 
-def test_windows_without_an_event_are_windows_without_noise() -> None:
-    one, other = NoiseRate(32, 32), NoiseRate(32, 32)
-    for rate in (one, other):
-        for _ in range(30):
-            add(rate, np.array([3]), np.array([5]))
-            end(rate)
-    before = one.hz
-    end(one, 4)
-    for _ in range(4):
-        end(other)
-    assert one.hz is not None
-    assert before is not None
-    assert one.hz == pytest.approx(other.hz)
-    assert one.hz == pytest.approx(before * 0.95**4)
+def test_a_silence_is_not_measured() -> None:
+    filters = chain()
+    filters.feed(noise(3.0, 1_000_000))
+    before = level_of(filters).level
+    filters.feed(ticked(50_000_000, 5, 5))
+    filters.feed(ticked(50_000_001, 5, 5))
+    assert level_of(filters).level == pytest.approx(before, rel=0.12)
 
 
-def test_as_few_neighbours_as_let_no_more_noise_pass() -> None:
-    within_us, passing_hz = 40_000, 0.03
-    last = 0
-    for noise_hz in np.geomspace(0.01, 3.0, 200):
-        support = support_against(noise_hz, within_us, passing_hz)
-        assert support >= last, "it grows with the noise"
-        mean = 8 * noise_hz * 1e-6 * within_us
-        passing = [
-            noise_hz * (1 - sum(math.exp(-mean) * mean**k / math.factorial(k) for k in range(n))) for n in range(support + 1)
-        ]
-        assert passing[support] <= passing_hz
-        assert all(more > passing_hz for more in passing[:support])
-        last = support
-    assert last == 5
-    assert support_against(1e3, within_us, passing_hz) == 6, "no more than six of eight"
+@pytest.mark.parametrize("noise_hz", [0.1, 1.0, 3.0])
+def test_no_more_noise_passes_than_asked_for(noise_hz: float) -> None:
+    lasts_us = 5_000_000
+    keep = chain().feed(noise(noise_hz, lasts_us))
+    passing_hz = np.count_nonzero(keep) / (1e-6 * lasts_us * SENSOR[0] * SENSOR[1])
+    assert passing_hz <= 1.3 * FOLLOW.activity_noise_hz
+
+
+def test_support_follows_a_noise_that_changes() -> None:
+    filters = chain()
+    supports = []
+    for begin_s, noise_hz in enumerate((0.005, 3.0, 0.005)):
+        filters.feed(noise(noise_hz, 1_000_000, begin_s * 1_000_000))
+        supports.append(level_of(filters).support)
+    assert supports == [1, 5, 1]
+
+
+def test_with_a_noise_that_holds_it_is_the_chain_with_that_support() -> None:
+    filters, events = chain(), noise(1.3, 2_000_000)
+    keep = filters.feed(events)
+    late = events.ticks >= 500_000
+    held = replace(FOLLOW, activity_noise_hz=0.0, activity_support=level_of(filters).support)
+    wanted = chain(held).feed(events)
+    assert np.array_equal(keep[late], wanted[late])
+    assert wanted[late].any()
+
+
+@pytest.mark.parametrize("sensor", [(128, 96), (29, 22), (5, 3), (8, 8)])
+def test_the_rule_as_it_stands_gives_the_same(sensor: tuple[int, int]) -> None:
+    for run, noise_log2 in enumerate((0, 3, 9, 14, 20)):
+        rng = np.random.default_rng([SEED, run])
+        least = np.sort(rng.integers(1, 2_000, 5)).tolist()
+        registers = FilterRegisters(
+            enable=1 << Filter.ACTIVITY, activity_support=0, noise_log2=noise_log2,
+            **{f"noise_{n}": one for n, one in zip(range(2, 7), least, strict=True)},
+        )  # fmt: skip
+        pace = 2.0 ** rng.integers(-3, 4) * 2**noise_log2 / 300
+        ticks = np.cumsum(rng.poisson(pace, 20_000) + (rng.random(20_000) < 1e-3) * rng.integers(1 << 16, size=20_000))
+        events = ticked(ticks, *(rng.integers(size, size=20_000) for size in sensor))
+        wanted = by_the_rule(events, registers, *sensor)
+        filters = FilterChain(registers, FOLLOW.shape(*sensor))
+        for begin in range(0, 20_000, 40):
+            filters.feed(events[begin : begin + 40])
+            found = level_of(filters)
+            assert (found.level or 0, found.support) == wanted[min(begin + 40, 20_000) - 1]
+
+
+def test_the_number_of_a_window_wraps() -> None:
+    """A cell without an event for 2,048 windows looks as if it had one in the open window: the contract says so."""
+    registers = FilterRegisters(enable=1 << Filter.ACTIVITY, activity_support=0, noise_log2=4)
+    events = joined(ticked(0, 0, 0), ticked(16 * np.arange(4_100), 20, 20))
+    filters = FilterChain(registers, FOLLOW.shape(32, 32))
+    filters.feed(events)
+    level = level_of(filters)
+    assert (level.level or 0, level.support) == by_the_rule(events, registers, 32, 32)[-1]
+
+
+@pytest.mark.parametrize("size", [1, 7, 1000])
+def test_it_does_not_depend_on_how_events_are_split_into_runs(size: int) -> None:
+    events = noise(1.0, 400_000)[: 4_000 if size > 1 else 400]
+    runs = chain()
+    parts: list[NDArray[np.bool_]] = [runs.feed(events[begin : begin + size]) for begin in range(0, len(events), size)]
+    assert np.array_equal(np.concatenate(parts), chain().feed(events))
+
+
+@pytest.mark.parametrize("tick_us", [10, 1_000])
+def test_in_longer_ticks_windows_last_as_long(tick_us: int) -> None:
+    events = noise(1.0, 1_000_000)
+    coarse = TickedEvents(events.ticks // tick_us, events.x, events.y, events.p)
+    filters = FilterChain(FOLLOW.registers(tick_us), FOLLOW.shape(*SENSOR))
+    filters.feed(coarse)
+    registers = FOLLOW.registers(tick_us)
+    window_us = tick_us << registers.noise_log2
+    assert 8_192 < window_us <= 16_384
+    assert level_of(filters).level == pytest.approx(LEVEL_HZ * window_us / 16_384, rel=0.15)
+
+
+def test_thresholds_are_the_least_noise_of_which_too_much_would_pass() -> None:
+    within_us, passing_hz, window_us = 40_000.0, 0.03, 16_384.0
+    for neighbours, level in zip(range(2, 7), thresholds(within_us, passing_hz, window_us), strict=True):
+        for noise_hz, passes in ((0.99 * level / LEVEL_HZ, False), (1.01 * level / LEVEL_HZ, True)):
+            mean = 8e-6 * noise_hz * within_us
+            fewer = sum(math.exp(-mean) * mean**k / math.factorial(k) for k in range(neighbours - 1))
+            assert (noise_hz * (1 - fewer) > passing_hz) == passes, neighbours
+    assert thresholds(1.0, passing_hz, window_us)[-1] == 65_535, "never reached"
+
+
+def test_without_cells_it_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"filters\.activity_noise_hz = 0\.03: must be 0 without memories of cells"):
+        replace(FOLLOW, cell_px=0)
+    registers = FilterRegisters(enable=1 << Filter.ACTIVITY, activity_support=0)
+    with pytest.raises(ConfigError, match=r"filters\.activity_support = 0: must be 1 to 8 with cell_px = 0"):
+        registers.check(FilterConfig().shape(*SENSOR))

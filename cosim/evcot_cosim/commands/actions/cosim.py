@@ -50,7 +50,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     if options.checkpoint < 0:
         raise ConfigError(f"--checkpoint {options.checkpoint}: must not be negative")
     most = None if options.print_config else EVENTS_MAX
-    job = job_from(options, window_from(options), claim=claim, auto=True, most=most)
+    job = job_from(options, window_from(options), claim=claim, most=most)
     if options.print_config:
         _say(job, quiet=options.quiet)
         print(run_toml(job.run_file), end="")
@@ -122,5 +122,3 @@ def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[s
 
 def _say(job: Job, *, quiet: bool) -> None:
     """Print what was seen in the recording and chosen by it, a line on stderr."""
-    if job.said is not None and not quiet:
-        print(job.said, file=sys.stderr)

@@ -8,19 +8,15 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from evcot.compiling import compiled_aside, compiling_aside
 from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.hardware.config import with_module
-from evcot.hardware.modules import DEFAULT_MODULE
-from evcot.trackers.adaptive.estimates import Estimates, estimate
-from evcot.trackers.auto import auto_config, summary_line
 from evcot.trackers.config import RunConfig, load_toml, module_in
-from evcot.trackers.presets import AUTO, fit, run_config
+from evcot.trackers.presets import run_config
 
 from ...devices.base import Stalls
-from ...lockstep.cosim import check_addresses, compile_model, stalls_from
+from ...lockstep.cosim import check_addresses, stalls_from
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
 from ..job import DEFAULT_SCENE
 from ..options import sensor_from
@@ -37,7 +33,6 @@ class Job:
         name: what is made of it is called by this.
         folder: of the run that is looked at again, if it is one.
         seed: of the stall patterns.
-        said: what was seen and chosen, if the configuration was made from the recording itself.
         more: whether `recording` holds only the first events of the source.
     """
 
@@ -47,7 +42,6 @@ class Job:
     name: str
     seed: int | None
     folder: Path | None
-    said: str | None = None
     more: bool = False
 
     @property
@@ -62,7 +56,7 @@ class Job:
 
     def run_file_of(self, digest: str) -> RunFile:
         """As `run_file`, with the digest of all events."""
-        return RunFile(self.source, self.seed, digest, self.config, self.said)
+        return RunFile(self.source, self.seed, digest, self.config)
 
 
 def job_from(
@@ -71,7 +65,6 @@ def job_from(
     until_us: int | None = None,
     claim: Callable[[str], None] | None = None,
     *,
-    auto: bool = False,
     most: int | None = None,
 ) -> Job:
     """What the options say, changing the run that --config or the input folder describes.
@@ -81,8 +74,7 @@ def job_from(
             part, that part is taken unless this says more than (0, None).
         until_us: what comes so long after the first event is not needed, and need not be read.
         claim: told the job's name before anything long begins, to claim what is written under that name.
-        auto: a recording without --preset gets a configuration from what is seen in it.
-        most: events that are held in memory; None: all. A configuration from what is seen looks at all of them.
+        most: events that are held in memory; None: all.
 
     Raises:
         ConfigError, RecordingError: something that the user can mend.
@@ -94,12 +86,7 @@ def job_from(
     described = read_run_file(options.config) if options.config else None
     source = _source(options, described.source if described else None, window)
     module = options.hardware or (options.config and module_in(options.config)) or None
-    from_estimates = options.preset == AUTO or (
-        auto and options.preset is None and not described and module in (None, DEFAULT_MODULE) and options.recording is not None
-    )
-    if options.preset == AUTO and module not in (None, DEFAULT_MODULE):
-        raise ConfigError(f"--preset {AUTO}: must not be given with --hardware {module}: it configures {DEFAULT_MODULE}")
-    if until_us is not None and not described and not from_estimates:
+    if until_us is not None and not described:
         source = replace(source, to_us=until_us)
     name = folder.name if folder else source.name
     if source.truth_file is not None:
@@ -114,17 +101,7 @@ def job_from(
     def blocks() -> Iterable[Events]:
         return _all_of(source) if more else [recording.events]
 
-    seen = None
-    if from_estimates:
-        sensor = recording.width, recording.height
-        # Which code of the model is compiled does not depend on the estimates.
-        with compiling_aside(compile_model, recording.events[:1], sensor, run_config(*sensor)):
-            if more:
-                compiled_aside(estimate, [recording.events[:1]], sensor)
-            seen = estimate(blocks(), sensor)
-    config = _config(options, recording, blocks, module, seen)
-    said = summary_line(seen, config) if seen else None
-    return Job(source, recording, config, name, seed, folder, said, more)
+    return Job(source, recording, _config(options, recording, blocks, module), name, seed, folder, more)
 
 
 def _all_of(source: Source) -> Iterator[Events]:
@@ -166,15 +143,9 @@ def _config(
     recording: Recording,
     blocks: Callable[[], Iterable[Events]],
     module: str | None,
-    seen: Estimates | None,
 ) -> RunConfig:
     sensor = recording.width, recording.height
-    if seen:
-        config = fit(auto_config(seen), *sensor, options.slots)
-    else:
-        config = run_config(
-            *sensor, options.preset, options.slots, hardware=module if options.preset is None else options.hardware
-        )
+    config = run_config(*sensor, options.preset, options.slots, hardware=module if options.preset is None else options.hardware)
     if options.config is not None:
         config = load_toml(options.config, config)
         if options.hardware:

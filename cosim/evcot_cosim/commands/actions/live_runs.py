@@ -12,8 +12,6 @@ from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.modules import MODULES
-from evcot.trackers.adaptive.estimates import estimate
-from evcot.trackers.auto import auto_config
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import run_config
 from evcot.trackers.settings import engine_settings
@@ -92,11 +90,10 @@ class Runs:
         return settings, with_options(self._options, filters, self._source.sensor)
 
     def _beside(self) -> Beside:
-        """The hardware, with registers by what is seen in a file, as `evcot cosim` chooses them; else the sensor's."""
+        """The default hardware, as `evcot cosim` runs it."""
         sensor = self._source.sensor
         if self._hardware is None:
-            is_file = isinstance(self._source, FileSource)
-            run = auto_config(estimate(self._blocks(), sensor)) if is_file else run_config(*sensor)
+            run = run_config(*sensor)
             run = replace(run, filters=with_options(self._options, run.filters, sensor))
             self._hardware = run.device_config(*sensor)
         return hardware_beside(self._hardware, sensor)

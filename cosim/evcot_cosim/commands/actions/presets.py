@@ -13,7 +13,7 @@ from evcot.hardware.config import MotionConfig
 from evcot.hardware.modules import MODULES
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES, Engine
-from evcot.trackers.presets import AUTO, FOLLOWING, PRESETS, presets_of
+from evcot.trackers.presets import PRESETS, presets_of
 
 from ...tables import print_table
 
@@ -25,7 +25,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     if options.engine is not None and options.engine not in MODULES:
         _print_settings(ENGINES[options.engine], options.json)
         return 0
-    presets = presets_of(options.engine) if options.engine else {AUTO: FOLLOWING, **PRESETS}
+    presets = presets_of(options.engine) if options.engine else PRESETS
     if options.json:
         print(json.dumps({name: config.to_dict() for name, config in presets.items()}, indent=2))
         return 0

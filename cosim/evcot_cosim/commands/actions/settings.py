@@ -13,11 +13,11 @@ from evcot.errors import ConfigError, meant
 from evcot.filters.config import FilterConfig
 from evcot.hardware.modules import MODULES
 from evcot.ranges import read_pair, read_value
+from evcot.trackers.adaptive.estimates import ObservedTracker
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.scene_line import seen_by
 from evcot.trackers.settings import changeable, changed, engine_settings
-from evcot.tracks.tracking import Tracker
+from evcot.tracks.tracking import FilteredTracker, Tracker
 
 __all__ = ["configured", "plain", "say_seen"]
 
@@ -59,6 +59,6 @@ def plain(settings: Any) -> dict[str, Any]:
 
 def say_seen(tracker: Tracker, *, quiet: bool) -> None:
     """Print what a tracker that follows the scene has seen of it, a line on stderr; nothing of another tracker."""
-    seen = None if quiet else seen_by(tracker)
-    if seen is not None:
-        print(seen, file=sys.stderr)
+    inner = tracker.tracker if isinstance(tracker, FilteredTracker) else tracker
+    if isinstance(inner, ObservedTracker) and not quiet:
+        print(inner.estimates(), file=sys.stderr)

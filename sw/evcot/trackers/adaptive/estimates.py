@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimates of the adaptive tracker about a scene: noise, hot pixels, and the number, size and speed of its objects.
 
-See docs/auto.md, "What is estimated".
+See docs/adaptive.md, "What is estimated".
 """
 
 from __future__ import annotations

@@ -9,9 +9,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from ...filters.restless import epoch_of, rests
 from .layout import CELL_BITS, NEAR, NOBODY, UNSET_US, Rules, World
 from .life import RECORDS_PER_PACKET, open_packet
+from .restless import epoch_of, rests
 
 __all__ = ["feed"]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The adaptive tracker, for streams of events and for recordings. See docs/auto.md for the algorithm."""
+"""The adaptive tracker, for streams of events and for recordings. See docs/adaptive.md for the algorithm."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...events import Events, Recording
-from ...filters.restless import restless
 from ...tracks.log import TrackLog
 from ...tracks.tracking import track_recording
 from ..compiled import CompiledTracker
@@ -15,6 +14,7 @@ from .config import AdaptiveConfig
 from .kernel import feed
 from .layout import make_rules, make_world
 from .life import RECORDS_PER_PACKET, close_packet
+from .restless import restless
 
 __all__ = ["SIGHTING", "AdaptiveTracker", "track"]
 

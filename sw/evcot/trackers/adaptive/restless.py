@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._numba_private import step
+from ..._numba_private import step
 
 __all__ = ["EPOCH_BITS", "epoch_of", "restless", "rests"]
 

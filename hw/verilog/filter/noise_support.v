@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures the noise of the stream, and gives each token the support that an event then needs: docs/filters.md, "Support that
+// follows the noise". A word for each cell of 8 x 8 pixels holds the number of the window in which it last had an event, the
+// event's place, and whether another pixel had one, too. A window's end is computed between two tokens.
+//
+// Latency:    5 clocks from s_ to m_.
+// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 13 clocks, 46 at 346x260.
+// Stall:      while the output is full, the pipeline stalls.
+// Reset:      becomes empty and clears the cells: (WIDTH / 8) * (HEIGHT / 8) clocks with idle low, in which two tokens at most are
+//             taken.
+// RAM:        (WIDTH / 8) * (HEIGHT / 8) * 18 bits.
+// Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module noise_support #(
+    parameter X_W    = 9,    // bits of an x address
+    parameter Y_W    = 9,    // bits of a y address
+    parameter TICK_W = 20,   // bits of the tick input
+    parameter WIDTH  = 346,  // pixels of the sensor across
+    parameter HEIGHT = 260   // pixels of the sensor down
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    // registers: see filter_regs.v
+    input  wire              follow,       // 0: the support is fixed, and nothing is measured
+    input  wire [3:0]        fixed,
+    input  wire [4:0]        noise_log2,
+    input  wire [5*16-1:0]   noise_least,  // noise_2 in the low bits
+
+    // tokens in
+    input  wire              s_valid,
+    output wire              s_ready,
+    input  wire [TICK_W-1:0] s_tick,
+    input  wire              s_event,
+    input  wire              s_skip,
+    input  wire [X_W-1:0]    s_x,
+    input  wire [Y_W-1:0]    s_y,
+    input  wire              s_p,
+
+    // tokens out
+    output wire              m_valid,
+    input  wire              m_ready,
+    output wire [TICK_W-1:0] m_tick,
+    output wire              m_event,
+    output wire              m_skip,
+    output wire [X_W-1:0]    m_x,
+    output wire [Y_W-1:0]    m_y,
+    output wire              m_p,
+    output wire [3:0]        m_support,  // 9: no event has enough
+
+    output wire              idle        // nothing inside, memory emptied after reset
+);
+
+    parameter_check #(.OK(X_W >= `EVCOT_X_W_MIN && X_W <= `EVCOT_X_W_MAX)) X_W_must_be_1_to_16 ();
+    parameter_check #(.OK(Y_W >= `EVCOT_Y_W_MIN && Y_W <= `EVCOT_Y_W_MAX)) Y_W_must_be_1_to_16 ();
+    parameter_check #(.OK(TICK_W >= `EVCOT_TICK_W_MIN && TICK_W <= `EVCOT_TICK_W_MAX)) TICK_W_must_be_1_to_32 ();
+    parameter_check #(.OK(WIDTH >= `EVCOT_WIDTH_MIN && WIDTH <= `EVCOT_WIDTH_MAX)) WIDTH_must_be_1_to_65536 ();
+    parameter_check #(.OK(HEIGHT >= `EVCOT_HEIGHT_MIN && HEIGHT <= `EVCOT_HEIGHT_MAX)) HEIGHT_must_be_1_to_65536 ();
+    parameter_check #(.OK(WIDTH <= 16777216 / HEIGHT)) WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24 ();
+
+    localparam COLS      = (WIDTH >= 8) ? WIDTH / 8 : 1;
+    localparam ROWS      = (HEIGHT >= 8) ? HEIGHT / 8 : 1;
+    localparam CELLS     = COLS * ROWS;
+    localparam ADDR_W    = (CELLS > 1) ? $clog2(CELLS) : 1;
+    localparam COUNT_W   = (CELLS > 1) ? $clog2(CELLS + 1) : 2;
+    localparam NUMBER_W  = 11;              // of a window
+    localparam WORD_W    = NUMBER_W + 1 + 6;
+    localparam FRAC      = 8;
+    localparam SHORTER   = 6;               // the shortest window is 2^-6 of the longest
+    localparam NOW_W     = 20;              // the longest window has at most 2^20 ticks
+    localparam SUM_W     = (TICK_W > NOW_W ? TICK_W : NOW_W) + 1;
+    localparam EMPTY_W   = COUNT_W + FRAC;
+    localparam ALONE_W   = EMPTY_W + SHORTER;
+    localparam NUM_W     = ALONE_W + FRAC;
+    localparam TOKEN_W   = TICK_W + X_W + Y_W + 3;
+    localparam [3:0] UNKNOWN = 4'd9;
+
+    localparam [31:0] ACROSS      = WIDTH;
+    localparam [31:0] DOWN        = HEIGHT;
+    localparam [31:0] COLUMNS     = COLS;
+    localparam [31:0] LINES       = ROWS;
+    localparam [31:0] ALL_CELLS   = CELLS;
+    localparam [31:0] LAST_CELL   = CELLS - 1;
+
+    // ---- input: the product in a cell's address ----------------------------------------------------------------------
+
+    wire [31:0] x       = {{(32 - X_W) {1'b0}}, s_x};
+    wire [31:0] y       = {{(32 - Y_W) {1'b0}}, s_y};
+    wire [31:0] column  = x >> 3;
+    wire [31:0] line    = y >> 3;
+    wire [31:0] product = line * COLUMNS;
+    wire        counts  = s_event && x < ACROSS && y < DOWN && column < COLUMNS && line < LINES;
+
+    wire               in_valid, in_ready, in_counts;
+    wire [ADDR_W-1:0]  in_product, in_column;
+    wire [5:0]         in_place;
+    wire [TOKEN_W-1:0] in_token;
+    wire [TICK_W-1:0]  in_tick = in_token[TOKEN_W-1 -: TICK_W];
+
+    skid_buffer #(
+        .W(1 + 2 * ADDR_W + 6 + TOKEN_W)
+    ) u_input (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(s_valid),
+        .s_ready(s_ready),
+        .s_data ({counts, product[ADDR_W-1:0], column[ADDR_W-1:0], y[2:0], x[2:0], s_tick, s_event, s_skip, s_x, s_y, s_p}),
+        .m_valid(in_valid),
+        .m_ready(in_ready),
+        .m_data ({in_counts, in_product, in_column, in_place, in_token})
+    );
+
+    // ---- stages: time, read, held, compared --------------------------------------------------------------------------
+
+    reg               clearing_reg;
+    reg [ADDR_W-1:0]  cleared_reg;
+    wire              space;  // for one more token in the output
+
+    reg               time_valid, time_counts, time_ends;  // ends: a window ends before this token
+    reg               read_valid, read_counts, held_valid, held_counts, same_last, same_second;
+    reg [ADDR_W-1:0]  time_address, read_address, held_address, last_address;
+    reg [5:0]         time_place, read_place, held_place;
+    reg [TOKEN_W-1:0] time_token, read_token, held_token;
+    reg [WORD_W-1:0]  last_word, second_word;
+    reg               last_counts;
+
+    reg [NOW_W-1:0]    now_reg;
+    reg [2:0]          shorter_reg;   // log2 of how much shorter than the longest the open window is
+    reg [NUMBER_W-1:0] number_reg;    // of the open window
+    reg [COUNT_W-1:0]  touched_reg;   // cells with an event in the open window
+    reg [COUNT_W-1:0]  alone_reg;     // those of them with one pixel
+
+    wire [2:0]       most    = (noise_log2 < 5'd6) ? noise_log2[2:0] : 3'd6;
+    wire [2:0]       shorter = (shorter_reg > most) ? most : shorter_reg;
+    wire [4:0]       window  = noise_log2 - {2'd0, shorter};
+    wire [SUM_W-1:0] above   = {SUM_W{1'b1}} << window;
+    wire [NOW_W-1:0] phase   = now_reg & ~above[NOW_W-1:0];
+    wire [SUM_W-1:0] elapsed = {{(SUM_W - NOW_W) {1'b0}}, phase} + {{(SUM_W - TICK_W) {1'b0}}, in_tick};
+
+    wire [31:0]      wide_tick = {{(32 - TICK_W) {1'b0}}, in_tick};
+
+    wire goes = time_valid && !time_ends;  // the token in `time` goes on
+
+    assign in_ready = space && !clearing_reg && (!time_valid || goes);
+
+    wire [WORD_W-1:0] held_word;
+    wire [WORD_W-1:0] word    = same_last ? last_word : same_second ? second_word : held_word;
+    wire              fresh   = word[WORD_W-1 -: NUMBER_W] != number_reg;
+    wire              second  = !fresh && !word[6] && word[5:0] != held_place;  // a second pixel of its cell
+    wire [WORD_W-1:0] changed = fresh ? {number_reg, 1'b0, held_place} : {word[WORD_W-1:7], word[6] || second, word[5:0]};
+    wire              notes   = space && held_valid && held_counts;
+
+    block_memory #(
+        .W    (WORD_W),
+        .DEPTH(CELLS)
+    ) u_cells (
+        .clk          (clk),
+        .write        (clearing_reg || (notes && (fresh || second))),
+        .write_address(clearing_reg ? cleared_reg : held_address),
+        .write_data   (clearing_reg ? {WORD_W{1'b0}} : changed),
+        .read_enable  (space),
+        .read_address (time_address),
+        .out_enable   (space),
+        .read_data    (held_word)
+    );
+
+    always @(posedge clk) begin
+        if (space) begin
+            if (!time_valid || goes) begin
+                time_valid   <= in_valid && in_ready;
+                time_counts  <= in_counts && follow;
+                time_address <= in_product + in_column;
+                time_place   <= in_place;
+                time_token   <= in_token;
+            end
+            read_valid   <= goes;
+            read_counts  <= time_counts;
+            read_address <= time_address;
+            read_place   <= time_place;
+            read_token   <= time_token;
+
+            held_valid   <= read_valid;
+            held_counts  <= read_counts;
+            held_address <= read_address;
+            held_place   <= read_place;
+            held_token   <= read_token;
+            same_last    <= held_valid && held_counts && held_address == read_address;
+            same_second  <= last_counts && last_address == read_address;
+
+            last_counts  <= held_valid && held_counts;
+            last_address <= held_address;
+            last_word    <= changed;
+            second_word  <= last_word;
+        end
+        if (in_valid && in_ready) now_reg <= now_reg + wide_tick[NOW_W-1:0];
+        if (clearing_reg) begin
+            cleared_reg  <= cleared_reg + 1'b1;
+            clearing_reg <= cleared_reg != LAST_CELL[ADDR_W-1:0];
+        end
+        if (rst) begin
+            time_valid   <= 1'b0;
+            read_valid   <= 1'b0;
+            held_valid   <= 1'b0;
+            last_counts  <= 1'b0;
+            now_reg      <= {NOW_W{1'b0}};
+            clearing_reg <= 1'b1;
+            cleared_reg  <= {ADDR_W{1'b0}};
+        end
+    end
+
+    // ---- the end of a window: means, their quotient, and the thresholds that it reaches --------------------------------
+
+    localparam [2:0] RUNNING = 3'd0, BEGIN = 3'd1, MEANS = 3'd2, DIVIDE = 3'd3, COMPARE = 3'd4, OPEN = 3'd5;
+
+    reg [2:0]         state_reg;
+    reg [2:0]         windows_reg;      // so far, 4 at most
+    reg [ALONE_W-1:0] mean_alone_reg;
+    reg [EMPTY_W-1:0] mean_empty_reg;
+    reg [COUNT_W-1:0] empty_reg;
+    reg               dense_reg, sparse_reg;
+    reg [15:0]        level_reg;
+    reg [3:0]         support_reg;
+    reg [2:0]         compared_reg;
+    reg [5*16-1:0]    least_reg;
+
+    wire [COUNT_W+1:0] four_empty   = {empty_reg, 2'b00};
+    wire [COUNT_W+1:0] four_touched = {touched_reg, 2'b00};
+    wire [COUNT_W+1:0] all_cells    = {2'b00, ALL_CELLS[COUNT_W-1:0]};
+    wire               measured     = !dense_reg || shorter == most;
+
+    wire [ALONE_W-1:0] alone_now  = {{SHORTER{1'b0}}, alone_reg, {FRAC{1'b0}}} << shorter;
+    wire [EMPTY_W-1:0] empty_now  = {empty_reg, {FRAC{1'b0}}};
+    wire signed [ALONE_W:0] alone_off = {1'b0, alone_now} - {1'b0, mean_alone_reg};
+    wire signed [EMPTY_W:0] empty_off = {1'b0, empty_now} - {1'b0, mean_empty_reg};
+    wire signed [ALONE_W:0] alone_step = alone_off >>> windows_reg;
+    wire signed [EMPTY_W:0] empty_step = empty_off >>> windows_reg;
+
+    wire             divide_ready, level_valid;
+    wire [NUM_W-1:0] quotient;
+    wire [EMPTY_W-1:0] remainder;
+
+    divider #(
+        .NUM_W(NUM_W),
+        .DEN_W(EMPTY_W)
+    ) u_divider (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(state_reg == DIVIDE),
+        .s_ready(divide_ready),
+        .s_num  ({mean_alone_reg, {FRAC{1'b0}}}),
+        .s_den  (mean_empty_reg),
+        .m_valid(level_valid),
+        .m_ready(1'b1),
+        .m_quot (quotient),
+        .m_rem  (remainder)
+    );
+
+    always @(posedge clk) begin
+        if (notes) begin
+            touched_reg <= touched_reg + {{(COUNT_W - 1) {1'b0}}, fresh};
+            alone_reg   <= fresh ? alone_reg + 1'b1 : second ? alone_reg - 1'b1 : alone_reg;
+        end
+        if (in_valid && in_ready) time_ends <= follow && |(elapsed & above);
+        case (state_reg)
+            RUNNING:  // until the tokens before the window's end are noted
+                if (time_valid && time_ends && !read_valid && !held_valid) begin
+                    state_reg <= BEGIN;
+                    empty_reg <= ALL_CELLS[COUNT_W-1:0] - touched_reg;
+                end
+            BEGIN: begin
+                dense_reg  <= four_empty < all_cells;
+                sparse_reg <= four_touched < all_cells;
+                if (touched_reg == {COUNT_W{1'b0}}) begin
+                    state_reg <= RUNNING;
+                    time_ends <= 1'b0;
+                end else state_reg <= MEANS;
+            end
+            MEANS:
+                if (measured) begin
+                    mean_alone_reg <= mean_alone_reg + alone_step[ALONE_W-1:0];
+                    mean_empty_reg <= mean_empty_reg + empty_step[EMPTY_W-1:0];
+                    windows_reg    <= (windows_reg == 3'd4) ? 3'd4 : windows_reg + 1'b1;
+                    state_reg      <= DIVIDE;
+                end else state_reg <= OPEN;
+            DIVIDE: begin
+                compared_reg <= 3'd0;
+                least_reg    <= noise_least;
+                if (level_valid) begin
+                    level_reg   <= (|quotient[NUM_W-1:16]) ? 16'hffff : quotient[15:0];
+                    support_reg <= 4'd1;
+                    state_reg   <= COMPARE;
+                end
+            end
+            COMPARE: begin
+                if (level_reg >= least_reg[15:0]) support_reg <= support_reg + 1'b1;
+                least_reg    <= least_reg >> 16;
+                compared_reg <= compared_reg + 1'b1;
+                if (compared_reg == 3'd4) state_reg <= OPEN;
+            end
+            OPEN: begin
+                if (dense_reg) shorter_reg <= (shorter == most) ? most : shorter + 1'b1;
+                else if (sparse_reg) shorter_reg <= (shorter == 3'd0) ? 3'd0 : shorter - 1'b1;
+                touched_reg <= {COUNT_W{1'b0}};
+                alone_reg   <= {COUNT_W{1'b0}};
+                number_reg  <= number_reg + 1'b1;
+                time_ends   <= 1'b0;
+                state_reg   <= RUNNING;
+            end
+            default: state_reg <= RUNNING;
+        endcase
+        if (rst) begin
+            state_reg      <= RUNNING;
+            time_ends      <= 1'b0;
+            touched_reg    <= {COUNT_W{1'b0}};
+            alone_reg      <= {COUNT_W{1'b0}};
+            number_reg     <= {{(NUMBER_W - 1) {1'b0}}, 1'b1};
+            shorter_reg    <= 3'd0;
+            windows_reg    <= 3'd0;
+            mean_alone_reg <= {ALONE_W{1'b0}};
+            mean_empty_reg <= {EMPTY_W{1'b0}};
+            support_reg    <= UNKNOWN;
+        end
+    end
+
+    // ---- output ------------------------------------------------------------------------------------------------------
+
+    skid_buffer #(
+        .W(TOKEN_W + 4)
+    ) u_output (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(held_valid),
+        .s_ready(space),
+        .s_data ({held_token, follow ? support_reg : fixed}),
+        .m_valid(m_valid),
+        .m_ready(m_ready),
+        .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p, m_support})
+    );
+
+    assign idle = !clearing_reg && !in_valid && !time_valid && !read_valid && !held_valid && !m_valid;
+
+    // The divider is free when it is asked.
+    wire unused = &{1'b0, divide_ready, remainder, wide_tick, product, alone_step[ALONE_W], empty_step[EMPTY_W]};
+
+endmodule
+
+`default_nettype wire
