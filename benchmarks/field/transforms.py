@@ -204,6 +204,7 @@ def _changed(
     truth: GroundTruth | None = None,
     rule: Rule | None = None,
 ) -> Member:
+    assert truth is None or not member.alternatives  # which would have to change alike
     recording = member.recording
     recording = Recording(events, *(sensor or (recording.width, recording.height)), recording.name)
     rule = (rule or member.rule).on((recording.width, recording.height))
