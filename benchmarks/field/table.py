@@ -102,7 +102,7 @@ def print_table(rows: Mapping[str, Sequence[Scored]]) -> None:
         worst = min(families, key=lambda family: families[family].mean, default="")
         cells += [str(families[worst]) if worst else "", worst]
         with_objects = [one for one in scored if one.score.hota is not None]
-        draws = {one.draw for one in scored}
+        draws = {(one.seed_set, one.draw) for one in scored}
         empty = sum(one.score.tracks for one in scored if one.score.hota is None)
         cells.append(f"{empty / max(len(draws), 1):.1f}" if len(with_objects) < len(scored) else "")
         rates = [one.score.events_per_s for one in with_objects if one.score.events_per_s]
