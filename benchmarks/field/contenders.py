@@ -4,25 +4,25 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from evcot.errors import ConfigError
-from evcot.filters.config import FilterConfig
+from evcot.filters.config import FILTER_RANGES, FilterConfig
 from evcot.hardware.config import CotConfig
+from evcot.hardware.motion.contract import MOTION_RANGES
 from evcot.trackers.config import RunConfig
-from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import for_sensor
+from evcot.trackers.engines import DEFAULT, ENGINES
+from evcot.trackers.presets import fit, for_sensor
 from evcot.tracks.tracking import Tracker
 from field import peers
 
-__all__ = ["ADAPTIVE", "Contender", "contenders", "more_settings"]
+__all__ = ["Contender", "contenders", "more_settings", "varied_default"]
 
-ADAPTIVE = "adaptive"
-_BY_THEMSELVES = ("cot_motion", ADAPTIVE)  # follow size, speed and noise, with their first preset: there is nothing to choose
+_BY_THEMSELVES = (DEFAULT, "adaptive")  # follow size, speed and noise, with their first preset: there is nothing to choose
 _ARRAY = "cot_array"
 _LEFT_OUT = ("cot_chain", "cot")  # the same rules as those of the array, but trackers see less of the events
 _SPREAD = 0.4  # standard deviation of a changed setting's logarithm
@@ -69,6 +69,39 @@ def more_settings(contender: Contender, count: int, random: np.random.Generator)
     for number in range(count):
         settings[f"random {number + 1}"] = contender.vary(bases[random.integers(len(bases))], random)
     return settings
+
+
+def varied_default(words: Sequence[str]) -> Contender:
+    """The default tracker with settings that differ from its first preset, or from another, as each word says.
+
+    Args:
+        words: "NAME=VALUE,NAME=VALUE": registers, `n_slots`, settings of filters; "preset=NAME": another preset.
+
+    Raises:
+        ConfigError: no such name, or a value that is not allowed.
+    """
+    default = _engine(DEFAULT)
+    return replace(default, settings={**default.settings, **{word: _changed_default(word) for word in words}})
+
+
+def _changed_default(word: str) -> tuple[RunConfig, FilterConfig]:
+    engine = ENGINES[DEFAULT]
+    values = dict(pair.partition("=")[::2] for pair in word.split(","))
+    name = values.pop("preset", next(iter(engine.presets)))
+    if name not in engine.presets:
+        raise ConfigError(f"--vary {word}: preset {name!r}: must be one of {', '.join(engine.presets)}")
+    run, filters = engine.presets[name], engine.filters[name]
+    known = {**MOTION_RANGES, **FILTER_RANGES, "n_slots": (1, 32, "")}
+    try:
+        numbers = {key: (float if isinstance(known[key][1], float) else int)(value) for key, value in values.items()}
+    except (KeyError, ValueError) as error:
+        raise ConfigError(f"--vary {word}: {error}: must be a register, n_slots or a filter's setting, and a number") from error
+    registers, of_filters = ({key: numbers[key] for key in numbers if key in own} for own in (MOTION_RANGES, FILTER_RANGES))
+    hardware = replace(run.hardware, registers=replace(run.hardware.registers, **registers))
+    run = replace(run, hardware=hardware)
+    if "n_slots" in numbers:
+        run = fit(run, 1 << hardware.shape.x_w, 1 << hardware.shape.y_w, int(numbers["n_slots"]))
+    return run, filters.changed(of_filters)
 
 
 def _engine(name: str) -> Contender:

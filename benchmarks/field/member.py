@@ -33,6 +33,7 @@ class Member:
         truth: where the objects are; empty where nothing is to be seen.
         rule: how tracks are compared with the truth; its `sensor` is the recording's.
         obtained: how the truth is known, and its error where it is not exact.
+        alternatives: other truths that are as right; the one counts in which the tracks score best.
     """
 
     family: str
@@ -41,6 +42,7 @@ class Member:
     truth: GroundTruth
     rule: Rule
     obtained: str
+    alternatives: tuple[GroundTruth, ...] = ()
 
     @property
     def empty(self) -> bool:

@@ -23,6 +23,7 @@ __all__ = ["PACKET_US", "Score", "prepared", "run", "score", "score_log"]
 
 PACKET_US = 1_000  # in which events arrive, as a camera's driver hands them on
 _WARM_UP = 20_000
+_BOTH_WAYS = "hota", "mota", "idf1"  # by centres and by overlap
 
 
 @dataclass(frozen=True)
@@ -30,21 +31,25 @@ class Score:
     """Scores of one recording; None where they have no meaning.
 
     Attributes:
-        hota, hota_iou, idf1: by the distance of centres, by overlap, by the distance of centres.
+        hota, mota, idf1: by the distance of centres.
+        hota_iou, mota_iou, idf1_iou: by overlap, which tables of other work state.
         switches: of identity.
         tracks: visible tracks in all; the score where nothing is there.
         tracks_per_object: of the tracks that count, per object that counts.
         covered: share of the objects' instants at which a track is on them.
         one_track: share of the objects' instants at which their one best track is on them.
         false_per_instant: tracks on nothing, a mean over the instants.
-        answered: HOTA at the moments when answers are available, computing time included.
-        cpu_s, events_per_s: CPU time of one thread, in packets of `PACKET_US`.
+        answered: HOTA at the moments when answers are available, computing time included, in packets of `PACKET_US`.
+        cpu_s, events_per_s: CPU time of one thread.
     """
 
     tracks: int
     hota: float | None = None
-    hota_iou: float | None = None
+    mota: float | None = None
     idf1: float | None = None
+    hota_iou: float | None = None
+    mota_iou: float | None = None
+    idf1_iou: float | None = None
     switches: int | None = None
     tracks_per_object: float | None = None
     covered: float | None = None
@@ -126,33 +131,34 @@ def _packets(events: Events, packet_us: int | None) -> list[tuple[Events | None,
     return [*cut, (None, int(ends_us[-1]))]
 
 
-def score(contender: Contender, settings: Any, member: Member, whole: bool = False) -> Score:
-    """All scores; `whole`: fast, in one packet and by the centres alone."""
-    packet_us = None if whole or member.empty else PACKET_US
+def score(contender: Contender, settings: Any, member: Member, timed: bool = False) -> Score:
+    """All scores; `timed`: in packets, so that it is known when answers are available."""
+    packet_us = PACKET_US if timed and not member.empty else None
     log, late, cpu_s = run(contender, settings, member, packet_us)
-    scored = score_log(log, member, None if packet_us is None else late, iou=not whole)
+    scored = score_log(log, member, None if packet_us is None else late)
     return replace(scored, cpu_s=cpu_s, events_per_s=len(member.recording.events) / max(cpu_s, 1e-9))
 
 
-def score_log(log: TrackLog, member: Member, late: TrackLog | None = None, iou: bool = True) -> Score:
-    """The scores of a log, and of when it was available."""
+def score_log(log: TrackLog, member: Member, late: TrackLog | None = None) -> Score:
+    """The scores of a log, and of when it was available; of several truths, those of the one that it meets best."""
     tracks = len(np.unique(log.records["track_id"][log.records["kind"] <= Kind.MOVED]))
     if member.empty:
         return Score(tracks)
-    truth, rule = member.truth, member.rule
-    centre = evaluate(log, truth, rule)
+    rule = member.rule
+    truths = [(evaluate(log, truth, rule), truth) for truth in (member.truth, *member.alternatives)]
+    centre, truth = max(truths, key=lambda one: _number(one[0].hota))
+    boxes = evaluate(log, truth, replace(rule, similarity="iou"))
     objects = max(centre.tp + centre.fn, 1)
     return Score(
         tracks,
-        hota=_number(centre.hota),
-        hota_iou=_number(evaluate(log, truth, replace(rule, similarity="iou")).hota) if iou else None,
-        idf1=_number(centre.idf1),
+        **{name: _number(getattr(centre, name)) for name in _BOTH_WAYS},
+        **{f"{name}_iou": _number(getattr(boxes, name)) for name in _BOTH_WAYS},
         switches=centre.idsw,
         tracks_per_object=centre.track_ids / max(centre.truth_ids, 1),
         covered=centre.tp / objects,
         one_track=_number(centre.idr),
         false_per_instant=centre.fp / max(centre.frames, 1),
-        answered=None if late is None else _answered(late, member),
+        answered=None if late is None else _answered(late, replace(member, truth=truth)),
     )
 
 

@@ -4,19 +4,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from evcot.metrics.of_scene import ground_truth_of
-from evcot.scenes.pendulum import BOB
-from evcot.scenes.registry import simulate_scene
+from evcot.metrics.truth import OBJECT, GroundTruth
+from evcot.scenes.insects import Insects, grass
+from evcot.scenes.pendulum import ROD
+from evcot.scenes.registry import scene_settings, simulate_scene
 from field.faint import without_faint
 from field.kept import kept
 from field.member import TRUTH_STEP_US, Entry, Member, scene_rule
 from field.transforms import backwards, upside_down
 
-__all__ = ["entries"]
+__all__ = ["entries", "with_grass"]
 
 Settings = dict[str, Any]
 Draw = Callable[[np.random.Generator], Settings]
@@ -167,8 +170,9 @@ def _builder(family: str, scene: str, draw: Draw, seed: tuple[int, ...]) -> Call
         if scene == "insects":
             for side in ("width", "height"):
                 objects[side] = np.maximum(objects[side], _INSECT_BOX_PX)
-        if scene == "pendulum":  # a tracker may follow the whole pendulum: the rod need not be found, nor is it false
-            objects["counted"] &= np.array([member.truth.ids[one] == str(BOB) for one in objects["object"]])
+            return replace(member, truth=with_grass(member.truth, scene_settings(scene, of_scene, settings)))
+        if scene == "pendulum":
+            return _bob_or_whole(member)
         if scene == "highway" and number % 3 == 1:
             return backwards(member)  # cars come towards the camera
         if scene == "highway" and number % 3 == 2:
@@ -177,3 +181,35 @@ def _builder(family: str, scene: str, draw: Draw, seed: tuple[int, ...]) -> Call
 
     simulated = kept(f"{family} {name} {of_scene} {settings}", simulate, "faint")
     return build
+
+
+def with_grass(truth: GroundTruth, settings: Insects) -> GroundTruth:
+    """The truth with each blade of grass as an object that is not counted: within its reach, tracks on it are not false."""
+    reach = grass(settings)
+    blades = np.zeros((len(truth.instants_us), len(reach)), OBJECT)
+    blades["frame"] = np.arange(len(truth.instants_us))[:, None]
+    blades["object"] = len(truth.ids) + np.arange(len(reach))
+    blades["vx"] = blades["vy"] = np.nan
+    for index, (axis, side) in enumerate((("x", "width"), ("y", "height"))):
+        low, high = reach[:, index], reach[:, 2 + index]
+        blades[axis], blades[side] = (low + high) / 2, high - low
+    objects = np.concatenate((truth.objects, blades.ravel()))
+    ids = (*truth.ids, *(f"grass {number + 1}" for number in range(len(reach))))
+    return GroundTruth(truth.instants_us, objects[np.argsort(objects["frame"], kind="stable")], ids)
+
+
+def _bob_or_whole(member: Member) -> Member:
+    """Two truths: the bob, where a track on the rod is not false; or bob and rod as one object."""
+    objects, rods = member.truth.objects, member.truth.ids.index(str(ROD))
+    is_bob = objects["object"] != rods
+    objects["counted"] &= is_bob
+    bob, rod = objects[is_bob], objects[~is_bob]
+    assert np.array_equal(bob["frame"], rod["frame"])
+    whole = bob.copy()
+    for axis, side in (("x", "width"), ("y", "height")):
+        low, high = (
+            limit(bob[axis] + sign * bob[side] / 2, rod[axis] + sign * rod[side] / 2)
+            for limit, sign in ((np.minimum, -1), (np.maximum, 1))
+        )
+        whole[axis], whole[side], whole[f"v{axis}"] = (low + high) / 2, high - low, np.nan
+    return replace(member, alternatives=(replace(member.truth, objects=whole),))

@@ -1,106 +1,155 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scores of many settings on many members: summaries by family, the table, the picture."""
+"""Scores of many settings on many draws of many members: summaries by family, the tables, the picture."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from field.draws import Difference, Estimate, differences, estimate, marking, mean_difference, mean_of
 from field.scoring import Score
 
-__all__ = ["FIGURES", "Scored", "by_family", "draw", "print_families", "print_table", "summary"]
+__all__ = [
+    "FIGURES",
+    "Scored",
+    "by_family",
+    "by_member",
+    "picture",
+    "print_differences",
+    "print_families",
+    "print_members",
+    "print_table",
+]
 
-# field of `Score` -> (heading, format); means over the members of a family
-FIGURES: Mapping[str, tuple[str, str]] = {
-    "hota": ("HOTA", ".3f"),
-    "hota_iou": ("HOTA, IoU", ".3f"),
-    "idf1": ("IDF1", ".3f"),
-    "answered": ("HOTA when answered", ".3f"),
-    "switches": ("switches", ".1f"),
-    "tracks_per_object": ("tracks an object", ".2f"),
-    "covered": ("covered", ".3f"),
-    "one_track": ("by one track", ".3f"),
-    "false_per_instant": ("false tracks", ".2f"),
+# field of `Score` -> heading; means over the families, with their errors
+FIGURES: Mapping[str, str] = {
+    "hota": "HOTA",
+    "mota": "MOTA",
+    "idf1": "IDF1",
+    "hota_iou": "HOTA, IoU",
+    "mota_iou": "MOTA, IoU",
+    "idf1_iou": "IDF1, IoU",
+    "answered": "HOTA when answered",
+    "switches": "switches",
+    "tracks_per_object": "tracks an object",
+    "covered": "covered",
+    "one_track": "by one track",
+    "false_per_instant": "false tracks",
 }
+_COMPARED = "hota", "hota_iou", "mota_iou", "idf1_iou"  # of two versions
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A score, and what it is of."""
+    """A score, and what it is of; draw None: all events."""
 
     contender: str
     settings: str
+    seed_set: int
     family: str
     member: str
+    draw: int | None
     score: Score
+
+    @property
+    def title(self) -> str:
+        """Of its row."""
+        return f"{self.contender}, {self.settings}"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, without those that have no meaning."""
-        named = {"contender": self.contender, "settings": self.settings, "family": self.family, "member": self.member}
-        return named | {name: value for name, value in self.score.to_dict().items() if value is not None}
+        own = {field.name: getattr(self, field.name) for field in fields(self)[:-1]}
+        return own | {name: value for name, value in self.score.to_dict().items() if value is not None}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Scored:
+        """What `to_dict` made."""
+        score = Score(**{field.name: values[field.name] for field in fields(Score) if field.name in values})
+        return cls(*(values[field.name] for field in fields(cls)[:-1]), score)
 
 
-def by_family(scored: Iterable[Scored], figure: str) -> dict[str, float]:
-    """Family -> mean of a figure over its members, in the order of the field; families without the figure are left out."""
-    values: dict[str, list[float]] = {}
+def by_member(scored: Iterable[Scored], figure: str) -> dict[str, dict[str, dict[int | None, float]]]:
+    """Family -> member -> draw -> a figure, in the order of the field; what lacks the figure is left out."""
+    values: dict[str, dict[str, dict[int | None, float]]] = {}
     for one in scored:
         value = getattr(one.score, figure)
         if value is not None:
-            values.setdefault(one.family, []).append(float(value))
-    return {family: float(np.mean(own)) for family, own in values.items()}
+            members = values.setdefault(one.family, {})
+            members.setdefault(f"{one.seed_set}: {one.member}", {})[one.draw] = float(value)
+    return values
 
 
-def summary(scored: Sequence[Scored]) -> dict[str, float | str]:
-    """Mean over the families and worst family, of every figure; tracks where nothing is there; events a second."""
-    found: dict[str, float | str] = {}
-    for figure in FIGURES:
-        families = by_family(scored, figure)
-        if families:
-            found[figure] = float(np.mean(list(families.values())))
-    for figure in ("hota", "hota_iou", "answered"):
-        families = by_family(scored, figure)
-        if families:
-            worst = min(families, key=lambda family: families[family])
-            found[f"worst_{figure}"], found[f"worst_{figure}_family"] = families[worst], worst
-    nothing = [one.score.tracks for one in scored if one.score.hota is None]
-    if nothing:
-        found["tracks_on_nothing"] = float(np.sum(nothing))
-    rates = [one.score.events_per_s for one in scored if one.score.events_per_s and one.score.hota is not None]
-    if rates:
-        found["events_per_s"] = float(np.median(rates))
-    return found
+def by_family(scored: Iterable[Scored], figure: str) -> dict[str, Estimate]:
+    """Family -> mean of a figure over its members and their draws."""
+    return {family: estimate(members) for family, members in by_member(scored, figure).items()}
 
 
 def print_table(rows: Mapping[str, Sequence[Scored]]) -> None:
     """One line a contender with its settings: mean over the families, and the worst family."""
-    headings = ["", *(heading for heading, _ in FIGURES.values()), "worst HOTA", "in", "tracks on nothing", "M events/s"]
-    _line(headings)
-    _line(["---"] * len(headings))
+    figures = [figure for figure in FIGURES if any(by_family(scored, figure) for scored in rows.values())]
+    headings = ["", *(FIGURES[figure] for figure in figures), "worst HOTA", "in", "tracks on empty recordings", "M events/s"]
+    _heading(headings)
     for title, scored in rows.items():
-        found = summary(scored)
-        cells = [title, *(_cell(found.get(figure), form) for figure, (_, form) in FIGURES.items())]
-        cells += [_cell(found.get("worst_hota"), ".3f"), str(found.get("worst_hota_family", ""))]
-        rate = found.get("events_per_s")
-        cells += [_cell(found.get("tracks_on_nothing"), ".0f"), _cell(rate / 1e6 if isinstance(rate, float) else None, ".1f")]
+        cells = [title]
+        for figure in figures:
+            families = by_family(scored, figure)
+            cells.append(str(mean_of(families.values())) if families else "")
+        families = by_family(scored, "hota")
+        worst = min(families, key=lambda family: families[family].mean, default="")
+        cells += [str(families[worst]) if worst else "", worst]
+        with_objects = [one for one in scored if one.score.hota is not None]
+        draws = {(one.seed_set, one.draw) for one in scored}
+        empty = sum(one.score.tracks for one in scored if one.score.hota is None)
+        cells.append(f"{empty / max(len(draws), 1):.1f}" if len(with_objects) < len(scored) else "")
+        rates = [one.score.events_per_s for one in with_objects if one.score.events_per_s]
+        cells.append(f"{np.median(rates) / 1e6:.1f}" if rates else "")
         _line(cells)
 
 
-def print_families(rows: Mapping[str, Mapping[str, float]]) -> None:
+def print_families(rows: Mapping[str, Mapping[str, Estimate]], seed_sets: Iterable[int]) -> None:
     """One line a family, one column a contender."""
     families = list(dict.fromkeys(family for row in rows.values() for family in row))
-    _line(["", *rows])
-    _line(["---"] * (1 + len(rows)))
+    sets = list(seed_sets)
+    _heading(["", "", *rows])
     for family in families:
-        _line([family, *(_cell(row.get(family), ".3f") for row in rows.values())])
-    _line(["mean", *(_cell(float(np.mean(list(row.values()))) if row else None, ".3f") for row in rows.values())])
-    _line(["worst", *(_cell(min(row.values(), default=None), ".3f") for row in rows.values())])
+        _line([family, marking(family, sets), *(str(row.get(family, "")) for row in rows.values())])
+    _line(["mean", "", *(str(mean_of(row.values())) if row else "" for row in rows.values())])
+    _line(["worst", "", *(str(min(row.values())) if row else "" for row in rows.values())])
 
 
-def draw(rows: Mapping[str, Mapping[str, float]], title: str, path: Path) -> None:
+def print_members(rows: Mapping[str, Sequence[Scored]]) -> None:
+    """One line a member and contender: how far its draws lie apart."""
+    _heading(["", "member", "", "HOTA", "standard deviation", "minimum", "maximum"])
+    for title, scored in rows.items():
+        for family, members in by_member(scored, "hota").items():
+            for name, by_draw in members.items():
+                hota = list(by_draw.values())
+                deviation = f"{np.std(hota, ddof=1):.3f}" if len(hota) > 1 else ""
+                _line([family, name, title, f"{np.mean(hota):.3f}", deviation, f"{min(hota):.3f}", f"{max(hota):.3f}"])
+
+
+def print_differences(rows: Mapping[str, tuple[Sequence[Scored], Sequence[Scored]]]) -> None:
+    """Of each pair (now, before), one column: how much HOTA has grown by family, and the mean of some figures.
+
+    An error is that of the draws, a second one that of the members; of a mean over families, that of the families.
+    """
+    found: dict[str, dict[str, dict[str, Difference]]] = {
+        figure: {title: differences(*(by_member(own, figure) for own in pair)) for title, pair in rows.items()}
+        for figure in _COMPARED
+    }
+    _heading(["difference", *rows])
+    families = list(dict.fromkeys(family for row in found["hota"].values() for family in row))
+    for family in families:
+        _line([family, *(str(row.get(family, "")) for row in found["hota"].values())])
+    for figure, row in found.items():
+        _line([f"mean, {FIGURES[figure]}", *(str(mean_difference(own.values())) if own else "" for own in row.values())])
+
+
+def picture(rows: Mapping[str, Mapping[str, Estimate]], title: str, path: Path) -> None:
     """A picture of HOTA by family and contender."""
     import matplotlib
 
@@ -108,7 +157,7 @@ def draw(rows: Mapping[str, Mapping[str, float]], title: str, path: Path) -> Non
     import matplotlib.pyplot as plt
 
     families = list(dict.fromkeys(family for row in rows.values() for family in row))
-    values = np.array([[row.get(family, np.nan) for row in rows.values()] for family in families])
+    values = np.array([[row[family].mean if family in row else np.nan for row in rows.values()] for family in families])
     table = np.vstack((values, np.nanmean(values, axis=0), np.nanmin(values, axis=0)))
     figure, axis = plt.subplots(figsize=(2.8 + 0.95 * len(rows), 1.4 + 0.34 * len(table)), layout="constrained")
     axis.imshow(table, cmap="cividis", vmin=0.0, vmax=1.0, aspect="auto")
@@ -128,8 +177,9 @@ def draw(rows: Mapping[str, Mapping[str, float]], title: str, path: Path) -> Non
     plt.close(figure)
 
 
-def _cell(value: object, form: str) -> str:
-    return format(value, form) if isinstance(value, int | float) else ""
+def _heading(cells: Sequence[str]) -> None:
+    _line(cells)
+    _line(["---"] * len(cells))
 
 
 def _line(cells: Sequence[str]) -> None:

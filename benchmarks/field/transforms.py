@@ -28,6 +28,7 @@ __all__ = [
     "thinned",
     "transposed",
     "upside_down",
+    "without",
 ]
 
 _OTHER_EDGE = {"left": "right", "right": "left", "top": "bottom", "bottom": "top"}
@@ -114,8 +115,12 @@ def at_speed(member: Member, factor: float) -> Member:
 
 def thinned(member: Member, lost: float, seed: Any) -> Member:
     """A part of the events, chosen at random, is lost."""
-    keep = np.random.default_rng(seed).random(len(member.recording.events)) >= lost
-    return _changed(member, member.recording.events.where(keep))
+    return _changed(member, without(member.recording.events, lost, seed))
+
+
+def without(events: Events, lost: float, seed: Any) -> Events:
+    """The events without a part of them, chosen at random."""
+    return events.where(np.random.default_rng(seed).random(len(events)) >= lost)
 
 
 def noisy(member: Member, hz: float, seed: Any) -> Member:
@@ -204,6 +209,7 @@ def _changed(
     truth: GroundTruth | None = None,
     rule: Rule | None = None,
 ) -> Member:
+    assert truth is None or not member.alternatives  # which would have to change alike
     recording = member.recording
     recording = Recording(events, *(sensor or (recording.width, recording.height)), recording.name)
     rule = (rule or member.rule).on((recording.width, recording.height))

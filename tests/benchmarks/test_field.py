@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import argparse
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import count
@@ -19,14 +19,19 @@ from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.metrics import evaluate
 from evcot.metrics.truth import OBJECT, GroundTruth
+from evcot.scenes import insects
+from evcot.scenes.insects import Insects
+from evcot.scenes.shapes import KIND, QUADRANGLE, X, Y
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from field import digits, kept, recorded, second, traffic
 from field.choose import left_out
 from field.contenders import Contender, contenders, more_settings
 from field.faint import without_faint
 from field.member import Absent, Entry, Member, nothing_there, scene_rule
+from field.oracle import oracle_log
 from field.reference import SEEN, Scale, reference
 from field.scoring import PACKET_US, Score, run, score, score_log
+from field.simulated import with_grass
 from field.table import Scored
 from field.transforms import (
     at_speed,
@@ -345,7 +350,7 @@ def test_the_second_simulators_events_lie_in_its_boxes(monkeypatch: pytest.Monke
         assert covered.mean() < 0.5
 
 
-class Oracle:
+class Knowing:
     """A tracker that says where the box is; a packet costs as long as it is told."""
 
     settled = 0
@@ -362,7 +367,7 @@ class Oracle:
         return np.empty(0, TRACK)
 
 
-ORACLE = Contender("oracle", {"plain": None}, lambda *_: Oracle(), lambda settings, _: settings, masked=False)
+KNOWING = Contender("knowing", {"plain": None}, lambda *_: Knowing(), lambda settings, _: settings, masked=False)
 
 
 class Clock:
@@ -384,7 +389,7 @@ def test_an_answer_that_comes_late_scores_less(monkeypatch: pytest.MonkeyPatch) 
 
     def at(packet_s: float) -> Score:
         Clock(monkeypatch, packet_s)
-        return score(ORACLE, None, member)
+        return score(KNOWING, None, member, timed=True)
 
     quick, slow, hopeless = at(1e-6), at(1.05e-3), at(1.0)
     assert quick.hota == slow.hota == hopeless.hota
@@ -396,7 +401,7 @@ def test_an_answer_that_comes_late_scores_less(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("cpu_share", [1.0, 0.5])
 def test_an_answer_waits_for_those_before_it(monkeypatch: pytest.MonkeyPatch, cpu_share: float) -> None:
     Clock(monkeypatch, 4e-3, cpu_share)
-    log, late, cpu_s = run(ORACLE, None, sample_member())
+    log, late, cpu_s = run(KNOWING, None, sample_member())
     packets = np.arange(len(log.records)) + 1
     first_us = int(sample_member().recording.events.t_us[0])
     assert np.array_equal(late.records["t_us"], first_us + PACKET_US + 4_000 * cpu_share * packets)
@@ -407,13 +412,13 @@ def test_where_nothing_is_there_tracks_are_counted() -> None:
     recording = Recording(Events(np.arange(100) * 1_000, *np.ones((2, 100), np.uint16), np.ones(100, np.uint8)), 8, 8)
     member = Member("f", "m", recording, nothing_there(0, 100_000), RULE, "nothing")
     assert member.empty
-    found = score(ORACLE, None, member)
+    found = score(KNOWING, None, member)
     assert (found.tracks, found.hota, found.merit) == (1, None, 0.5)
     assert score_log(TrackLog.empty("none"), member).merit == 1
 
 
 def scored(settings: str, family: str, hota: float) -> Scored:
-    return Scored("c", settings, family, "m", Score(1, hota=hota))
+    return Scored("c", settings, 1, family, "m", None, Score(1, hota=hota))
 
 
 def test_what_is_left_out_is_not_chosen_on_nor_what_shares_its_source() -> None:
@@ -430,11 +435,11 @@ def test_what_is_left_out_is_not_chosen_on_nor_what_shares_its_source() -> None:
 
 def test_a_final_seed_set_is_used_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(field_of_tests, "_FINALS", tmp_path / "finals.json")
-    field_of_tests._use_once(77, 1)
+    field_of_tests._use_once(77, [1])
     for seed in (77, 1):
         with pytest.raises(ConfigError, match=f"--final {seed}: must be"):
-            field_of_tests._use_once(seed, 1)
-    field_of_tests._use_once(78, 1)
+            field_of_tests._use_once(seed, [1])
+    field_of_tests._use_once(78, [1])
 
 
 def test_settings_at_random_are_valid_and_repeat() -> None:
@@ -452,23 +457,115 @@ def members_of_two_sources(*_: Any) -> Iterator[Entry]:
         yield Entry(family, "m", family, lambda family=family: replace(sample_member(), family=family))  # type: ignore[misc]
 
 
-def test_the_table_and_the_picture_are_of_every_tracker(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def field_command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[str], int]:
+    """The command on a field of two small members, with one contender."""
     monkeypatch.setattr(field_of_tests, "FOLDER", tmp_path)
     monkeypatch.setattr(field_of_tests, "entries", lambda *_: list(members_of_two_sources()))
-    monkeypatch.setattr(field_of_tests, "contenders", lambda *_: [ORACLE])
-    options = argparse.Namespace(
-        families=None, quick=True, seed_set=1, final=None, trackers=["oracle"], leave_out=1, search_members=1, jobs=1
-    )
-    field_of_tests._presets([ORACLE], options)
-    results = field_of_tests._left_out([ORACLE], options)
+    monkeypatch.setattr(field_of_tests, "contenders", lambda *_: [KNOWING])
+
+    def command(arguments: str) -> int:
+        monkeypatch.setattr("sys.argv", ["field_of_tests.py", *arguments.format(folder=tmp_path).split()])
+        return field_of_tests.main()
+
+    return command
+
+
+@pytest.mark.parametrize("more", ["", "--leave-out 1 --search-members 1"])
+def test_the_table_and_the_picture_are_of_every_tracker(
+    field_command: Callable[[str], int], tmp_path: Path, capsys: pytest.CaptureFixture[str], more: str
+) -> None:
+    assert field_command(f"--trackers knowing oracle --draws 2 --keep {{folder}}/now.json {more}") == 0
     said = capsys.readouterr().out
-    assert "oracle plain" in said
+    assert "knowing, " in said
+    assert "seeds (S, 11, D): S = [1], D = [0, 1]" in said
     assert "worst HOTA" in said
-    assert (tmp_path / "field.png").read_bytes()[:4] == b"\x89PNG"
-    assert {one["family"] for one in results["scores"]} == {"f", "g"}
-    assert [one["family"] for one in results["choices"]["oracle"]] == ["f", "g"]
+    assert "| f | validation |" in said
+    assert (tmp_path / ("left_out.png" if more else "field.png")).read_bytes()[:4] == b"\x89PNG"
+    results = json.loads((tmp_path / "now.json").read_text())
+    titles = {"left out", "best preset"} if more else {"plain"}
+    expected = {("knowing", title) for title in titles} | {("oracle", "extents of events")}
+    assert {(one["contender"], one["settings"]) for one in results["scores"]} == expected
+    assert {(one["family"], one["draw"]) for one in results["scores"]} == {(family, draw) for family in "fg" for draw in (0, 1)}
+    if more:
+        assert [one["family"] for one in results["choices"]["knowing"]] == ["f", "g"]
+
+
+def test_a_run_is_compared_with_an_earlier_one_on_equal_draws(
+    field_command: Callable[[str], int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "before.json"
+    field_command("--trackers knowing --draws 2 --keep {folder}/before.json")
+    kept_before = json.loads(path.read_text())
+    for one in kept_before["scores"]:
+        one["hota"] -= 0.1
+        one["settings"] = "renamed"  # the only row of a file is compared with any
+    path.write_text(json.dumps(kept_before))
+    capsys.readouterr()
+    assert field_command("--trackers knowing --draws 3 --against {folder}/before.json --members") == 0
+    said = capsys.readouterr().out
+    assert "| difference | knowing, plain |" in said
+    assert "| g | +0.100 ± 0.000 |" in said
+    assert "| mean, HOTA | +0.100 ± 0.000 ± 0.000 |" in said
+    assert "| f | 1: m | knowing, plain | 0." in said
+
+
+def test_the_better_of_two_truths_counts() -> None:
+    member = sample_member()
+    far = replace(member.truth, objects=member.truth.objects.copy())
+    far.objects["x"] += 60
+    log = some_log(lambda *where: where, 1.0)
+    one = score_log(log, member)
+    assert score_log(log, replace(member, truth=far)).hota == 0
+    assert score_log(log, replace(member, truth=far, alternatives=(member.truth,))) == one
+    assert score_log(log, replace(member, alternatives=(far,))) == one
+
+
+def test_a_simulated_pendulum_is_a_bob_or_a_bob_with_its_rod() -> None:
+    member = next(entry for entry in field.entries(1, True) if entry.family == "pendulum, simulated").build()
+    (whole,) = member.alternatives
+    bob = member.truth.objects[member.truth.objects["counted"]]
+    assert np.array_equal(bob["frame"], whole.objects["frame"])
+    for axis, side in (("x", "width"), ("y", "height")):
+        for sign in (-1, 1):
+            beyond = sign * (whole.objects[axis] - bob[axis]) + (whole.objects[side] - bob[side]) / 2
+            assert beyond.min() >= -1e-9
+    assert whole.objects["height"].min() > 2 * bob["height"].max()
+
+
+def test_a_track_on_grass_is_not_false() -> None:
+    member = sample_member()
+    settings = Insects(width=120, height=80, count=1, blades=3, seed=4)
+    truth = with_grass(member.truth, settings)
+    log = some_log(lambda *where: where, 1.0)
+    blade = truth.objects[~truth.objects["counted"]][0]
+    log.records["x"][log.records["track_id"] == 3], log.records["y"][log.records["track_id"] == 3] = blade["x"], blade["y"]
+    assert evaluate(log, member.truth, member.rule).fp - evaluate(log, truth, member.rule).fp > 20
+    for t_us in range(0, 4_000_000, 100_000):
+        for number, *corners in blades_at(settings, t_us):
+            own = truth.objects[(truth.objects["object"] == 1 + number) & (truth.objects["frame"] == 3)][0]
+            for axis, side, coordinates in zip("xy", ("width", "height"), corners, strict=True):
+                assert np.abs(coordinates - own[axis]).max() <= own[side] / 2 + 1e-6
+
+
+def blades_at(settings: Insects, t_us: int) -> Iterator[tuple[int, Any, Any]]:
+    """Number and corners, x and y, of each blade of grass that is drawn at a time."""
+    shapes = insects._Stage(settings).shapes(t_us)
+    for number, blade in enumerate(shapes[shapes[:, KIND] == QUADRANGLE]):
+        yield number, blade[X : X + 4], blade[Y : Y + 4]
+
+
+def test_the_oracle_has_true_identity_and_knows_nothing_of_later_events() -> None:
+    member = sample_member()
+    found = score_log(oracle_log(member), member)
+    assert found.hota is not None
+    assert found.hota > 0.85
+    assert (found.idf1, found.switches, found.tracks) == (pytest.approx(1, abs=0.03), 0, 1)
+    events = member.recording.events
+    half = replace(member, recording=replace(member.recording, events=events.where(events.t_us <= 240_000)))
+    early, whole = oracle_log(half).records, oracle_log(member).records
+    assert early[early["t_us"] <= 240_000].tolist() == whole[whole["t_us"] <= 240_000].tolist()
+    assert early["t_us"].max() <= 260_000  # no events, no track
 
 
 def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
@@ -487,6 +584,10 @@ def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
     ("arguments", "said"),
     [
         ("--trackers nobody", "--trackers nobody: must be some of cot_motion, "),
+        ("--vary moon=1", "--vary moon=1: 'moon': must be a register, "),
+        ("--vary preset=moon", "--vary preset=moon: preset 'moon': must be one of "),
+        ("--vary step_log2=99", "motion.step_log2 = 99: must be an integer from 0 to 20"),
+        ("--trackers frames --against moon.json", "--against moon.json: must be a file that --keep wrote"),
         ("--families moon", "--families moon: no family begins so"),
         ("--families digits --leave-out 1", "--leave-out 1: must have families of two sources at least"),
         ("--final 1", "--final 1: must be a seed set that was not used before"),

@@ -16,7 +16,7 @@ from .shapes import discs, quadrangles
 from .stage import StageSettings, film, texture
 from .truth import TRUTH
 
-__all__ = ["Insects", "simulate"]
+__all__ = ["Insects", "grass", "simulate"]
 
 _TURN_S = 0.08  # mean time between two turns
 _BLADE_PX = 4.0  # width of a blade of grass at its foot
@@ -55,6 +55,11 @@ class Insects(StageSettings):
 def simulate(settings: Insects) -> Scene:
     """See `stage.film`. Insects fly in front of the grass; where two overlap, the later is in front."""
     return film(_Stage(settings), settings)
+
+
+def grass(settings: Insects) -> NDArray[np.float64]:
+    """(blades, 4): lowest x, y and highest x, y that each blade of grass ever reaches, in pixels."""
+    return _Stage(settings).grass_reach()
 
 
 class _Stage:
@@ -120,6 +125,14 @@ class _Stage:
         x[..., 0], x[..., 1], x[..., 2], x[..., 3] = foot - _BLADE_PX / 2, foot + _BLADE_PX / 2, tip + 0.5, tip - 0.5
         y = np.stack((ground, ground, ground - self._blade_px, ground - self._blade_px), axis=1)
         return quadrangles(-1 - settings.glints - np.arange(settings.blades), x, y, self._blade_tone)
+
+    def grass_reach(self) -> NDArray[np.float64]:
+        """See `grass`."""
+        foot, tip, wave = self._foot_x, self._foot_x + self._lean_px, self._settings.wave_px
+        low_x = np.minimum(foot - _BLADE_PX / 2, tip - wave - 0.5)
+        high_x = np.maximum(foot + _BLADE_PX / 2, tip + wave + 0.5)
+        ground = np.full(len(foot), self._settings.height + 1.0)
+        return np.stack((low_x, ground - self._blade_px, high_x, ground), axis=1)
 
     def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
         (x, vx), (y, vy) = self._motion(t_us)
