@@ -15,7 +15,7 @@ from evcot.hardware.config import MotionConfig, with_module
 from evcot.hardware.contract import Mode
 from evcot.hardware.golden import to_track_records
 from evcot.hardware.model import Decisions
-from evcot.hardware.motion._kernel import RECORDS_PER_SLOT
+from evcot.hardware.motion._kernel import RECORDS_PER_STEP
 from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
 from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
@@ -137,7 +137,7 @@ def test_a_buffer_of_records_that_is_full_again_and_again_changes_nothing(spare:
     keep = np.random.default_rng(spare).random(len(events)) < 0.6
     whole = MotionModel(config_of(FEW_EVENTS)).feed(events, keep)
     monkeypatch.setattr("evcot.hardware.motion.model._SPARE_RECORDS", spare)
-    assert len(whole.records) > 10 * (RECORDS_PER_SLOT * SHAPE.n_slots + spare)
+    assert len(whole.records) > 10 * (RECORDS_PER_STEP + spare)
     same(MotionModel(config_of(FEW_EVENTS)).feed(events, keep), whole)
 
 
