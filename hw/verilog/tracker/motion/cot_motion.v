@@ -69,7 +69,7 @@ module cot_motion #(
     output wire [SEQ_W-1:0]    m_cm_seq,
     output wire [TIME_W-1:0]   m_cm_time,
 
-    // owned events, addressed within the owner's window
+    // owned events, addressed from the middle of the owner's box, half pixels, signed
     output wire                m_own_valid,
     input  wire                m_own_ready,
     output wire [SLOT_W-1:0]   m_own_slot,

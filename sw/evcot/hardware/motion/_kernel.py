@@ -16,6 +16,10 @@ from ._owner import find
 from ._places import OF_STATE, alone, clear, hold, renew
 from ._sides import measure
 from ._state import (
+    BOX_HI_X,
+    BOX_HI_Y,
+    BOX_LO_X,
+    BOX_LO_Y,
     BUSY,
     CANDIDATE,
     CORRECTIONS,
@@ -37,8 +41,6 @@ from ._state import (
     NEVER,
     NEXT_SLOT,
     NEXT_STEP,
-    NEXT_WIN_LO_X,
-    NEXT_WIN_LO_Y,
     NOW,
     PAUSED,
     PERIOD,
@@ -55,8 +57,6 @@ from ._state import (
     SUPPORT_MAX,
     VISIBLE,
     WAITS,
-    WIN_LO_X,
-    WIN_LO_Y,
     Table,
 )
 from ._velocity import advance
@@ -294,15 +294,13 @@ def feed(
         i, shared, seeds = find(places, x, y)
         if i >= 0 and not seeds:
             owner[e] = i
-            rel_x[e] = (x - s[i, WIN_LO_X]) & lim[REL_MASK]
-            rel_y[e] = (y - s[i, WIN_LO_Y]) & lim[REL_MASK]
+            rel_x[e] = (2 * x - s[i, BOX_LO_X] - s[i, BOX_HI_X]) & lim[REL_MASK]
+            rel_y[e] = (2 * y - s[i, BOX_LO_Y] - s[i, BOX_HI_Y]) & lim[REL_MASK]
             if _take(s, r, lim, i, x, y, shared):
                 n = _correct(s, r, glob, i, now, out, n)
         elif i >= 0 and glob[SEEDING] < 0:
             _seed(s, r, glob, places, i, x, y, now)
-            owner[e] = i
-            rel_x[e] = (x - s[i, NEXT_WIN_LO_X]) & lim[REL_MASK]
-            rel_y[e] = (y - s[i, NEXT_WIN_LO_Y]) & lim[REL_MASK]
+            owner[e] = i  # it is the middle of the candidate's box
         else:
             owner[e] = NOBODY
         glob[SEQ] += 1
