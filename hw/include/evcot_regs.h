@@ -276,7 +276,7 @@
 
 /* Registers of boxes and velocities, likewise; they exist only with TRACKER = 2 (EVCOT_BUILD_TRACKER), and a commit of values
    that contradict each other is refused. */
-#define EVCOT_MOTION_STEP_LOG2 0x0284u /* a motion step every 2^step_log2 ticks */
+#define EVCOT_MOTION_STEP_LOG2 0x0284u /* a motion step of each slot every 2^step_log2 ticks */
 #define EVCOT_MOTION_SIDE_STEP 0x0288u /* way of a side for an event beyond and one within it, in 2^-12 px */
 #define EVCOT_MOTION_SIDE_SHARE 0x028Cu /* 2^-side_share of a slot's events lie beyond each side */
 #define EVCOT_MOTION_SIDE_SHRINK 0x0290u /* a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never */

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import count, pairwise
+from math import ceil, log2
 
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.tracks.log import DROPPED, Kind
@@ -329,22 +331,23 @@ class SlowArray:
         self.owners: list[int] = []
         self.births = 0
         self.seeded: Slot | None = None  # has begun, and is not in force
-        self.next_step = 2**registers.step_log2
-        self.came, self.empty, self.paused = False, 0, 0  # empty motion steps do not count for deadlines, up to 32 in a row
+        self.steps = self._steps_after(0)
+        self.step_tick, self.step_slot = next(self.steps)
+        self.came, self.empty, self.paused = False, 0, 0  # empty periods do not count for deadlines, up to 32 in a row
 
     def event(self, now: int, x: int, y: int, kept: bool = True) -> None:
         """The next event; one that a filter took out advances time and the count."""
-        while self.next_step <= now:
+        while self.step_tick <= now:
             self._put_in_force(None)
-            self.empty = 0 if self.came else self.empty + 1
-            if 0 < self.empty <= 32:
-                self.paused += 2**self.r.step_log2
-            self.came = False
-            for i in range(len(self.slots)):
-                slot = self.slots[i]
-                if slot is not None:
-                    self._step(slot, self.next_step)
-            self.next_step += 2**self.r.step_log2
+            if self.step_slot == 0:
+                self.empty = 0 if self.came else self.empty + 1
+                if 0 < self.empty <= 32:
+                    self.paused += 2**self.r.step_log2
+                self.came = False
+            slot = self.slots[self.step_slot]
+            if slot is not None:
+                self._step(slot, self.step_tick)
+            self.step_tick, self.step_slot = next(self.steps)
         if not kept:
             self.owners.append(DROPPED)
             return
@@ -361,6 +364,14 @@ class SlowArray:
             if slot.visible:
                 self._record(slot, Kind.MOVED, now, len(self.owners) - 1)
 
+    def _steps_after(self, now: int) -> Iterator[tuple[int, int]]:
+        """Tick and slot of each motion step, from the next multiple of a period on."""
+        period = 2**self.r.step_log2
+        places = 2 ** ceil(log2(len(self.slots)))
+        for n in count(now // period + 1):
+            for i in range(len(self.slots)):
+                yield n * period + i * period // places, i
+
     def _put_in_force(self, number: int | None) -> None:
         """What waits for this event; None: all that waits."""
         for slot in self.slots:
@@ -371,12 +382,14 @@ class SlowArray:
 
     def write(self, registers: MotionRegisters, now: int) -> None:
         """Other registers, after the event at `now`; lives go on."""
+        changes = registers.step_log2 != self.r.step_log2
         self.r = registers
         for slot in self.slots:
             if slot is not None:
                 slot.r = registers
-        step = 2**registers.step_log2
-        self.next_step = (now // step + 1) * step
+        if changes:
+            self.steps = self._steps_after(now)
+            self.step_tick, self.step_slot = next(self.steps)
 
     def _owner(self, now: int, place: tuple[int, int]) -> tuple[Slot | None, bool]:
         living = [slot for slot in self.slots if slot is not None and not slot.left]

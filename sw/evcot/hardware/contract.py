@@ -118,7 +118,7 @@ class Shape:
 
     @property
     def rel_w(self) -> int:
-        """Bits of a recentred address, 0..2R."""
+        """Bits of a recentred address, 0..2R; with motion signed half pixels."""
         return self.radix_w + 2
 
     @property

@@ -25,7 +25,8 @@ class Decisions(NamedTuple):
         records: (m,) of dtype `contract.RECORD`, of cot_motion `motion.contract.MOTION_RECORD`; in chronological order.
         owner: (n,) int16, the slot that took each event, -1 if none did, `tracks.log.DROPPED` if a
             filter dropped it.
-        rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), 0 without an owner.
+        rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), of cot_motion half pixels from the
+            middle of its owner's box, modulo 2^shape.rel_w; 0 without an owner.
     """
 
     records: NDArray[np.void]

@@ -3,14 +3,14 @@
 //
 // Tokens and streams are those of cot_array.v, but for the record. Events are decided in a pipeline, motion_events.v, one a clock. Beside it
 // corrections are computed and candidates placed, motion_work.v, one at a time; from a certain event on, motion_waiting.v, they are in
-// force. Events wait for one only if it is not ready by then. A motion step is done while no event is under way.
+// force. Events wait for one only if it is not ready by then. A motion step of a slot is done while no event is under way.
 //
 // Registers: `mode` of each slot, off or seeded, and those of motion_regs.v. A write of `mode` restarts the slot before the next
-// token; after one of `step_log2` steps are at multiples of the new length. Others are to be written while the array is idle.
+// token; after a change of `step_log2` a period begins at the next multiple of the new length. Others are to be written while the array is idle.
 //
 // Latency:    unstalled, from the clock edge that takes the event: 15 clocks to the owned or passed event; about 50 to its record.
 // Throughput: an event a clock, two more for a correction and 20 for a candidate; where corrections come faster, one in 40 clocks. A
-//             motion step of an empty array takes 5 clocks; see motion_work.v.
+//             motion step of a free slot takes 5 clocks; see motion_step.v.
 // Stall:      every output is held until accepted.
 // Reset:      turns all slots off, and gives the registers their defaults.
 // Combinational paths: none.
@@ -69,7 +69,7 @@ module cot_motion #(
     output wire [SEQ_W-1:0]    m_cm_seq,
     output wire [TIME_W-1:0]   m_cm_time,
 
-    // owned events, addressed within the owner's window
+    // owned events, addressed from the middle of the owner's box, half pixels, signed
     output wire                m_own_valid,
     input  wire                m_own_ready,
     output wire [SLOT_W-1:0]   m_own_slot,
@@ -186,7 +186,7 @@ module cot_motion #(
     wire             job_valid, job_done, job_seed;
     wire [7:0]       issued, following;
     wire             issues, op_ready, takes_op, takes_put;
-    wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, end_slot;
+    wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, work_slot;
     wire [X_W-1:0]   job_x;
     wire [Y_W-1:0]   job_y;
     wire [SUP_W-1:0] job_support;
@@ -207,7 +207,7 @@ module cot_motion #(
         .cfg_valid  (cfg_valid),
         .cfg_slot   (cfg_slot),
         .cfg_addr   (cfg_addr),
-        .cfg_mode   (cfg_data[1:0]),
+        .cfg_data   (cfg_data[4:0]),
         .step_log2  (regs[`MOTION_STEP_LOG2]),
         .seeded     (seeded),
         .q_due      (q_due),
@@ -241,7 +241,7 @@ module cot_motion #(
         .rests      (rests),
         .steps      (steps),
         .ends_life  (ends_life),
-        .end_slot   (end_slot),
+        .work_slot  (work_slot),
         .quiet      (quiet)
     );
 
@@ -461,7 +461,7 @@ module cot_motion #(
         .job_seq        (job_seq),
         .do_step        (steps),
         .do_end         (ends_life),
-        .end_slot       (end_slot),
+        .work_slot      (work_slot),
         .now            (steps ? next_step : now),
         .paused         (paused),
         .seq            (seq),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One axis of all slots, as far as events change it: both sides and their marks (docs/motion.md, rule E3); and where in its owner's
-// window and bins an event lies.
+// One axis of all slots, as far as events change it: both sides and their marks (docs/motion.md, rule E3); and how far from the middle of
+// its owner's box, and in which of its bins, an event lies.
 //
 // An event passes four stages here: the first reads what stays, the second the sides, the third moves them, the
 // fourth finds the bin and writes the sides back. If one of the two events behind is of the same slot, they are forwarded to it.
@@ -36,10 +36,10 @@ module motion_axis #(
     // third stage
     input  wire                     update,     // the event moves the sides
     input  wire                     store,      // they are written with s_*, which stay for another clock
-    input  wire                     put,        // the window's low pixel is
+    input  wire                     put,        // the middle of the box is
     input  wire                     set_bins,   // the bins' size is
     input  wire [SLOT_W-1:0]        slot_3,
-    output reg  [REL_W-1:0]         rel,        // place within the window
+    output reg  [REL_W-1:0]         rel,        // place from that middle, half pixels
     output wire signed [SIDE_W-1:0] lo,         // as they are before the event
     output wire signed [SIDE_W-1:0] hi,
     output wire [1:0]               marks,      // hi, lo: an event was beyond it since the last correction
@@ -48,7 +48,7 @@ module motion_axis #(
     input  wire signed [SIDE_W-1:0] s_hi,
     input  wire [1:0]               s_marks,
     input  wire [1:0]               s_hidden,
-    input  wire [REL_W-1:0]         s_window,
+    input  wire [REL_W-1:0]         s_middle,   // half pixels
     input  wire [4:0]               s_log2,     // a bin has 2^log2 pixels
 
     // two clocks after the third stage
@@ -61,7 +61,7 @@ module motion_axis #(
     reg [1:0]        markses[0:(1<<SLOT_W)-1];
     reg [1:0]        hides  [0:(1<<SLOT_W)-1];
     reg [4:0]        log2s  [0:(1<<SLOT_W)-1];
-    reg [REL_W-1:0]  windows[0:(1<<SLOT_W)-1];
+    reg [REL_W-1:0]  middles[0:(1<<SLOT_W)-1];
 
     reg [1:0]      hide;
     reg [AT_W-1:0] at;
@@ -81,7 +81,7 @@ module motion_axis #(
     reg [17:0]     far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
     reg [PX_W:0]   from;
 
-    wire [PX_W+REL_W-1:0] wide_place = {{(PX_W + REL_W - AT_W) {1'b0}}, place};  // its lower part is what counts
+    wire [PX_W+REL_W-1:0] wide_place = {{(PX_W + REL_W - AT_W - 1) {1'b0}}, place, 1'b0};  // its lower part is what counts
 
     // The sign of a difference is a comparison. A hidden side goes where the other one goes; where both are hidden, none does.
     wire [SIDE_W-1:0] here     = {{(SIDE_W - AT_W - 12) {1'b0}}, at, 12'd0};
@@ -112,7 +112,7 @@ module motion_axis #(
     always @(posedge clk) begin
         hide <= hides[slot];
 
-        rel       <= wide_place[REL_W-1:0] - windows[slot_2];
+        rel       <= wide_place[REL_W-1:0] - middles[slot_2];
         at        <= place;
         log2_3    <= log2s[slot_2];
         hide_lo   <= hide[0];
@@ -150,7 +150,7 @@ module motion_axis #(
             markses[slot_4] <= marks_new;
         end
         if (store) hides[slot_3] <= s_hidden;
-        if (put) windows[slot_3] <= s_window;
+        if (put) middles[slot_3] <= s_middle;
         if (set_bins) log2s[slot_3] <= s_log2;
 
         from   <= place_from[PX_W+1:1];

@@ -120,22 +120,13 @@ module motion_events #(
     // ---- what follows from the registers -------------------------------------------------------------------------------
 
     reg  [16:0]       out, back;    // ways of a side
-    reg  [15:0]       seed_ring;
-    reg  [15:0]       seed_part, seed_far;
-    reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
     reg               counts;       // events are counted in bins
-    wire [15:0]       share      = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
-    wire [15:0]       seed_most  = seed_far < {8'd0, regs[`MOTION_RING_MAX]} ? seed_far : {8'd0, regs[`MOTION_RING_MAX]};
-    wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, regs[`MOTION_SEED_PX]}};
+    wire [15:0]       share = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
 
     always @(posedge clk) begin
-        back      <= {1'b0, share};
-        out       <= {1'b0, regs[`MOTION_SIDE_STEP] - back[15:0]};
-        seed_part <= {7'd0, regs[`MOTION_SEED_PX], 1'b0} >> regs[`MOTION_RING_ANY];
-        seed_far  <= seed_part + {8'd0, regs[`MOTION_RING_PX]};
-        seed_ring <= seed_most;
-        seed_at   <= seed_place[REL_W-1:0];
-        counts    <= regs[`MOTION_GAP_CORRECTIONS] != 8'd0;
+        back   <= {1'b0, share};
+        out    <= {1'b0, regs[`MOTION_SIDE_STEP] - back[15:0]};
+        counts <= regs[`MOTION_GAP_CORRECTIONS] != 8'd0;
     end
 
     // ---- stages 1 to 4: whose is it? -----------------------------------------------------------------------------------
@@ -248,8 +239,7 @@ module motion_events #(
     wire [16:0]        far          = visible_5 ? out : {out[15:0], 1'b0};
     wire [16:0]        near         = visible_5 ? back : {back[15:0], 1'b0};
     wire [REL_W-1:0]   rel_x, rel_y;
-    wire [PX_W+REL_W-1:0] low_x = {{REL_W{o_window[4*PX_W-1]}}, o_window[3*PX_W+:PX_W]};
-    wire [PX_W+REL_W-1:0] low_y = {{REL_W{o_window[2*PX_W-1]}}, o_window[PX_W+:PX_W]};
+    reg  [PX_W+REL_W-1:0] middle_x, middle_y;         // of the box that is put in force, half pixels: the lower part counts
     wire [SIDE_W-1:0]  lo_x_6, hi_x_6, lo_y_6, hi_y_6;
 
     assign read_done  = op_6[0];
@@ -258,6 +248,11 @@ module motion_events #(
     assign active     = |valid || |op_1 || |ops || d_valid;
     assign r_sides    = {lo_x_6, hi_x_6, lo_y_6, hi_y_6};
     assign r_support  = support_6;
+
+    function [PX_W+REL_W-1:0] wide;
+        input [PX_W-1:0] bound;
+        wide = {{REL_W{bound[PX_W-1]}}, bound};
+    endfunction
 
     always @(posedge clk) begin
         owned_5   <= owned_4;
@@ -291,8 +286,10 @@ module motion_events #(
         d_corrects <= updates && last_left_6;
         d_seeds    <= seeds;
         d_slot     <= slot_6;
-        d_rel_x    <= seeds ? seed_at : rel_x;
-        d_rel_y    <= seeds ? seed_at : rel_y;
+        d_rel_x    <= seeds ? {REL_W{1'b0}} : rel_x;
+        d_rel_y    <= seeds ? {REL_W{1'b0}} : rel_y;
+        middle_x   <= wide(o_box[3*PX_W+:PX_W]) + wide(o_box[2*PX_W+:PX_W]);
+        middle_y   <= wide(o_box[PX_W+:PX_W]) + wide(o_box[0+:PX_W]);
         {d_x, d_y, d_p} <= token_6[X_W+Y_W:0];
         d_time     <= token_6[TOKEN_W-1-:TIME_W];
         d_support  <= support_next;
@@ -334,7 +331,7 @@ module motion_events #(
         .s_hi    (o_sides[2*SIDE_W+:SIDE_W]),
         .s_marks (o_marks[1:0]),
         .s_hidden(o_hidden[1:0]),
-        .s_window(low_x[REL_W-1:0]),
+        .s_middle(middle_x[REL_W-1:0]),
         .s_log2  (o_log2[4:0]),
         .in_bin  (in_bin_x),
         .bin     (bin_x)
@@ -368,13 +365,13 @@ module motion_events #(
         .s_hi    (o_sides[0+:SIDE_W]),
         .s_marks (o_marks[3:2]),
         .s_hidden(o_hidden[3:2]),
-        .s_window(low_y[REL_W-1:0]),
+        .s_middle(middle_y[REL_W-1:0]),
         .s_log2  (o_log2[9:5]),
         .in_bin  (in_bin_y),
         .bin     (bin_y)
     );
 
-    wire unused = &{1'b0, low_x, low_y, seed_place, regs};
+    wire unused = &{1'b0, middle_x, middle_y, regs};
 
     // ---- behind: the bins ------------------------------------------------------------------------------------------------
 

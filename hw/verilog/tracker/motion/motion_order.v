@@ -25,7 +25,7 @@ module motion_order #(
     input  wire [SLOT_W-1:0]       job_slot,
     input  wire                    do_step,
     input  wire                    do_end,
-    input  wire [SLOT_W-1:0]       end_slot,
+    input  wire [SLOT_W-1:0]       work_slot,
     output wire                    rests,
     output wire                    begun,  // a job begins
 
@@ -294,7 +294,7 @@ module motion_order #(
         .rst        (rst),
         .start      (do_step),
         .end_life   (do_end),
-        .end_slot   (end_slot),
+        .work_slot  (work_slot),
         .rests      (s_rests),
         .at         (s_at),
         .this_slot  (this_slot),

@@ -39,7 +39,7 @@ module motion_regs (
         row    <= cfg_valid ? 8'd1 << cfg_addr[5:3] : 8'd0;
         column <= 8'd1 << cfg_addr[2:0];
         data   <= cfg_data[23:0];
-        // 0 to 20: a motion step every 2^step_log2 ticks
+        // 0 to 20: a motion step of each slot every 2^step_log2 ticks
         if (writes[`EVCOT_MREG_STEP_LOG2]) regs[`MOTION_STEP_LOG2] <= data[4:0];
         // 1 to 65535: way of a side for an event beyond and one within it, in 2^-12 px
         if (writes[`EVCOT_MREG_SIDE_STEP]) regs[`MOTION_SIDE_STEP] <= data[15:0];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A motion step of all slots, or the end of one life, in order: what the other parts of motion_work.v do, and when. Two slots that become
+// A motion step of a slot, or the end of its life, in order: what the other parts of motion_work.v do, and when. Two slots that become
 // one are handed to motion_merge.v.
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    2 clocks and one for each free slot, 11 for each whose track may return; for each one that lives 67 and one for each slot, and
-//             31 for each other one with four corrections.
+// Latency:    a clock of a free slot, 10 of one whose track may return; of one that lives 66 and one for each slot, and 31 for each other
+//             one with four corrections.
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
 // Reset:      waits for a start.
@@ -20,9 +20,9 @@ module motion_step #(
     input  wire              clk,
     input  wire              rst,
 
-    input  wire              start,        // a motion step, while nothing is under way, nor was in the clock before
-    input  wire              end_life,     // or the life of end_slot ends at once
-    input  wire [SLOT_W-1:0] end_slot,
+    input  wire              start,        // a motion step of work_slot, while nothing is under way, nor was in the clock before
+    input  wire              end_life,     // or its life ends at once
+    input  wire [SLOT_W-1:0] work_slot,
     output reg               rests,
     output reg  [SLOT_W-1:0] at,           // the slot that is worked on, or compared
     output wire [SLOT_W-1:0] this_slot,    // the one whose step it is
@@ -107,7 +107,6 @@ module motion_step #(
     localparam [1:0] REPORTED = 2'd3;
 
     localparam [4:0] REST    = 5'd0;   // waits for a start
-    localparam [4:0] NEXT    = 5'd1;   // the next slot
     localparam [4:0] FETCH   = 5'd2;   // reads it
     localparam [4:0] AGE     = 5'd3;   // has its life ended?
     localparam [4:0] FETCHED = 5'd4;
@@ -140,7 +139,8 @@ module motion_step #(
 
     reg [4:0] state;
     reg [6:0]        pause;          // a one for each clock until the state is gone on with
-    reg [SLOT_W:0]   slot, other;    // whose step it is; with which it is compared
+    reg [SLOT_W-1:0] slot;           // whose step it is
+    reg [SLOT_W:0]   other;          // with which it is compared
     reg              alone;          // a life ends, not in a step
     reg              over, again;    // its time is over; its box has grown since it was first compared
     reg              back;           // it is a track that was lost
@@ -162,7 +162,7 @@ module motion_step #(
     reg              departs;        // what is lost in a step may return
     wire             leaves     = kind == `EVCOT_KIND_LOST && departs;  // with the record
 
-    assign this_slot = slot[SLOT_W-1:0];
+    assign this_slot = slot;
     assign load      = reads;
     assign resume    = appear && back;
 
@@ -193,24 +193,11 @@ module motion_step #(
         if (goes_on) case (state)
             REST: begin
                 alone <= end_life;
-                at    <= end_slot;
-                if (start && |taken) begin
+                at    <= work_slot;
+                if ((start || end_life) && taken[work_slot]) begin
                     rests <= 1'b0;
-                    state <= NEXT;
+                    state <= FETCH;
                 end
-                if (end_life) begin
-                    rests <= !taken[end_slot];
-                    state <= taken[end_slot] ? FETCH : REST;
-                end
-            end
-            NEXT: begin
-                at <= this_slot;
-                if (slot == SLOTS[SLOT_W:0]) begin
-                    rests <= 1'b1;
-                    state <= REST;
-                end
-                else if (taken[this_slot]) state <= FETCH;
-                if (!taken[this_slot]) slot <= slot + {{SLOT_W{1'b0}}, 1'b1};  // behind the last one it does not count
             end
             FETCH: begin
                 op_valid <= 1'b1;
@@ -239,17 +226,15 @@ module motion_step #(
                 state     <= !over && !alone ? MOVE : is_visible ? SAY : LAPSE;
                 c_leave   <= 1'b1;  // of use if it leaves
                 if (!over && !alone && at_left) begin
-                    slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
                     pause <= 7'd0;
-                    state <= NEXT;
+                    rests <= 1'b1;
+                    state <= REST;
                 end
             end
             LAPSE: begin
                 lapse <= 1'b1;
-                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                pause <= clocks(3'd1);
-                rests <= alone;
-                state <= alone ? REST : NEXT;
+                rests <= 1'b1;
+                state <= REST;
             end
 
             MOVE: begin
@@ -398,8 +383,8 @@ module motion_step #(
                 c_ask   <= stayed && touching;
                 state   <= touching ? MET : MEET;
                 if (!stayed) begin
-                    slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                    state <= NEXT;
+                    rests <= 1'b1;
+                    state <= REST;
                 end
             end
             REPORT:
@@ -441,14 +426,14 @@ module motion_step #(
             end
             WRITTEN:
             if (stored) begin
-                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                state <= NEXT;
+                rests <= 1'b1;
+                state <= REST;
             end
             default: state <= REST;
         endcase
 
         // Where they begin: not in a state, so that a reset of a flip-flop need not wait for what decides there.
-        if (rests) slot <= {1'b0, end_life ? end_slot : {SLOT_W{1'b0}}};
+        if (rests) slot <= work_slot;
         if (places[0]) begin
             other <= young ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
             ahead <= others;

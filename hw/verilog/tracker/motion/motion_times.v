@@ -24,7 +24,7 @@ module motion_times #(
     input  wire              keep_now,   // that time is written
     input  wire              keep_until, // or the deadline
     input  wire [TIME_W-1:0] now,
-    input  wire [TIME_W-1:0] counted,    // now, without the empty motion steps that do not count for deadlines
+    input  wire [TIME_W-1:0] counted,    // now, without the empty periods that do not count for deadlines
     output reg  [TIME_W-1:0] age,        // of that time
     output wire              ended,      // that time, a deadline, is not in the future
     output reg  [23:0]       ticks,      // age, at least 1; if that has more than 24 bits, 2^24 - 1 a clock later

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What comes next: a token, an operation, a slot that is put in force, a motion step, or the end of a life; and the registers that say so,
-// `mode` of each slot and when steps are.
+// `mode` of each slot and when steps are: one slot at a time, spread over a period of 2^step_log2 ticks.
 //
 // An operation comes before a slot that is put in force, and that before a token. A step waits until nothing is under way, and all that
 // waits is in force; so does the end of a life, which comes first.
 //
-// Latency:    1 clock from d_valid to now; 4 from a write of `mode` to the end of its slot's life, 4 from one of step_log2 to next_step.
+// Latency:    1 clock from d_valid to now; 4 from a write of `mode` to the end of its slot's life, 4 from a change of step_log2 to next_step.
 // Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
 // Stall:      a step and the end of a life wait for `drained`.
-// Reset:      turns all slots off; the first step is at 2^step_log2.
+// Reset:      turns all slots off; the first step is slot 0's, at 2^step_log2.
 // Combinational paths: op_valid -> takes_op; op_valid, reached, put_valid, q_due -> takes_put; op_beside, reached,
 //             q_runs and q_counts -> takes_token, and issues; put_slot -> puts_slot; reached -> quiet.
 `default_nettype none
@@ -25,7 +25,7 @@ module motion_turn #(
     input  wire              cfg_valid,
     input  wire [SLOT_W-1:0] cfg_slot,
     input  wire [`EVCOT_MREG_W-1:0] cfg_addr,
-    input  wire [1:0]        cfg_mode,
+    input  wire [4:0]        cfg_data,
     input  wire [4:0]        step_log2,
     output reg  [N-1:0]      seeded,       // `mode`
 
@@ -43,8 +43,8 @@ module motion_turn #(
     input  wire              d_valid,      // a token is done
     input  wire [TIME_W-1:0] d_time,
     output reg  [TIME_W-1:0] now,
-    output reg  [TIME_W-1:0] next_step,
-    output reg  [TIME_W-1:0] paused,       // the length of all empty motion steps that do not count for deadlines
+    output wire [TIME_W-1:0] next_step,
+    output reg  [TIME_W-1:0] paused,       // the length of all empty periods that do not count for deadlines
 
     // operations
     input  wire              op_valid,
@@ -67,10 +67,12 @@ module motion_turn #(
     input  wire              rests,
     output wire              steps,
     output wire              ends_life,
-    output reg  [SLOT_W-1:0] end_slot,
+    output wire [SLOT_W-1:0] work_slot,    // whose step it is, or whose life ends
 
     output wire              quiet         // nothing of this is under way
 );
+
+    localparam [31:0] LAST = N - 1;
 
     localparam [1:0] RUN   = 2'd0;
     localparam [1:0] BEGUN = 2'd1;  // a step, or the end of a life
@@ -78,8 +80,8 @@ module motion_turn #(
     localparam [1:0] DUE   = 2'd3;  // the queue sees whether another step is due
 
     reg  [1:0]        state;
-    reg               came;       // an event, since the last step
-    reg  [5:0]        empty;      // steps in a row without one, at most 32
+    reg               came;       // an event, in this period
+    reg  [5:0]        empty;      // periods in a row without one, at most 32
     reg               bubble;     // an operation that writes was before
     reg               put_busy;   // a slot is being put in force,
     reg  [SLOT_W-1:0] putting;    // this one
@@ -87,13 +89,18 @@ module motion_turn #(
     reg               open;       // a token may come: there is room, no bubble, and no life must end
     reg  [N-1:0]      restart;    // `mode` was written
     reg               restarts, must_end;
-    reg               restep_1, restep_2, restep_3, restep;  // step_log2 was written, or reset: the next step is set
-    reg  [19:0]       step_mask;  // from a multiple of a step's length, or a time behind it, to the last tick before the next one
+    reg               restep_1, restep_2, restep_3, restep;  // step_log2 changes, or reset: the next step is set
+    reg  [19:0]       step_mask;  // from a multiple of a period's length, or a time behind it, to the last tick before the next one
+    reg  [SLOT_W-1:0] step_slot, end_slot;
+    reg               last_slot;  // the next step is the last one of a period
+    reg  [TIME_W+SLOT_W-1:0] step_at;  // its tick, in parts of 2^-SLOT_W: from one slot's step to the next one's are 2^step_log2
     reg               wrote, wrote_seeded;  // `mode` was written, in the clock before
     reg  [SLOT_W-1:0] wrote_slot;
     wire              any_restart;
     wire [SLOT_W-1:0] lowest_restart;
-    reg  [TIME_W-1:0] step_end;   // the last tick before the next step but one, or with `restep` before the next
+    reg  [TIME_W+SLOT_W-1:0] step_end;  // the last part before the next step but one, or with `restep` before the next
+    wire [TIME_W+SLOT_W-1:0] until_step = last_slot ? {{(TIME_W - 20) {1'b0}}, step_mask, {SLOT_W{1'b1}}}
+                                                    : {{(TIME_W + SLOT_W - 20) {1'b0}}, step_mask};
     wire              stop      = must_end || q_due;  // all that waits comes first
     wire              starts    = drained;                         // which it has: nothing can have come since
 
@@ -104,6 +111,8 @@ module motion_turn #(
     assign issues      = takes_token && q_counts;
     assign ends_life   = starts && must_end;
     assign steps       = starts && !must_end;
+    assign next_step   = step_at[SLOT_W+:TIME_W];
+    assign work_slot   = must_end ? end_slot : step_slot;
     assign puts_slot   = put_busy ? putting : put_slot;
     assign quiet       = state == RUN && !reached && !put_busy && !wrote && !any_restart && !restarts && !must_end
                       && !restep_1 && !restep_2 && !restep_3 && !restep;
@@ -121,7 +130,7 @@ module motion_turn #(
     always @(posedge clk) begin
         wrote        <= cfg_valid && cfg_addr == `EVCOT_MREG_MODE && !rst;
         wrote_slot   <= cfg_slot;
-        wrote_seeded <= cfg_mode == `EVCOT_MODE_SEEDED;
+        wrote_seeded <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
     end
 
     genvar i;
@@ -151,7 +160,10 @@ module motion_turn #(
         end
         if (d_valid) now <= d_time;
         if (takes_token && q_event) came <= 1'b1;
-        if (steps) begin
+        if (steps) step_slot <= last_slot ? {SLOT_W{1'b0}} : step_slot + {{(SLOT_W - 1) {1'b0}}, 1'b1};
+        if (restep) step_slot <= {SLOT_W{1'b0}};
+        last_slot <= restep_2 || step_slot == LAST[SLOT_W-1:0];
+        if (steps && step_slot == {SLOT_W{1'b0}}) begin
             came <= 1'b0;
             if (came) empty <= 6'd0;
             else if (!empty[5]) begin
@@ -182,12 +194,12 @@ module motion_turn #(
         end_slot <= lowest_restart;
 
         step_mask <= ~(20'hfffff << step_log2);
-        restep_1  <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
+        restep_1  <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2 && cfg_data != step_log2;
         restep_2  <= restep_1;  // step_mask follows
         restep_3  <= restep_2;
         restep    <= restep_3;
-        step_end  <= (restep_3 ? now : next_step) | {{(TIME_W - 20) {1'b0}}, step_mask};
-        if (steps || restep) next_step <= step_end + {{(TIME_W - 1) {1'b0}}, 1'b1};
+        step_end  <= (restep_3 ? {now, {SLOT_W{1'b0}}} : step_at) | until_step;
+        if (steps || restep) step_at <= step_end + {{(TIME_W + SLOT_W - 1) {1'b0}}, 1'b1};
 
         if (rst) begin
             state    <= RUN;

@@ -39,9 +39,9 @@ module motion_work #(
     input  wire [SUP_W-1:0]    job_support,
     input  wire [TIME_W-1:0]   job_time,
     input  wire [SEQ_W-1:0]    job_seq,
-    input  wire                do_step,       // a motion step, while nothing is under way
-    input  wire                do_end,        // the life of end_slot ends at once
-    input  wire [SLOT_W-1:0]   end_slot,
+    input  wire                do_step,       // a motion step of work_slot, while nothing is under way
+    input  wire                do_end,        // or its life ends at once
+    input  wire [SLOT_W-1:0]   work_slot,
     input  wire [TIME_W-1:0]   now,
     input  wire [TIME_W-1:0]   paused,        // what does not count for deadlines; it changes with do_step alone
     input  wire [SEQ_W-1:0]    seq,
@@ -167,7 +167,7 @@ module motion_work #(
         .job_slot    (job_slot),
         .do_step     (do_step),
         .do_end      (do_end),
-        .end_slot    (end_slot),
+        .work_slot   (work_slot),
         .rests       (rests),
         .begun       (begun),
         .begins      (begins),

@@ -13,9 +13,13 @@ from ._gaps import count_in_bins
 from ._lives import LOST, MOVED, appears, correct, name, record, seed
 from ._meetings import absorbed, hide_sides, join
 from ._owner import find
-from ._places import OF_STATE, alone, enter, move, renew
+from ._places import OF_STATE, alone, clear, hold, renew
 from ._sides import measure
 from ._state import (
+    BOX_HI_X,
+    BOX_HI_Y,
+    BOX_LO_X,
+    BOX_LO_Y,
     BUSY,
     CANDIDATE,
     CORRECTIONS,
@@ -35,33 +39,32 @@ from ._state import (
     MOVES_FROM,
     N_EV,
     NEVER,
+    NEXT_SLOT,
     NEXT_STEP,
-    NEXT_WIN_LO_X,
-    NEXT_WIN_LO_Y,
     NOW,
     PAUSED,
+    PERIOD,
     REL_MASK,
     REPORT_STEPS,
     REPORTED,
     RETURN_TICKS,
     SEEDING,
     SEQ,
+    SLOTS_LOG2,
     STATE,
     STEP_LOG2,
     SUPPORT,
     SUPPORT_MAX,
     VISIBLE,
     WAITS,
-    WIN_LO_X,
-    WIN_LO_Y,
     Table,
 )
 from ._velocity import advance
 from ._windows import await_return, bounded, set_window, take_window
 
-__all__ = ["RECORDS_PER_SLOT", "feed", "initialise", "restart", "restep"]
+__all__ = ["RECORDS_PER_STEP", "feed", "initialise", "restart", "restep"]
 
-RECORDS_PER_SLOT = 3  # at most, of a motion step
+RECORDS_PER_STEP = 3  # at most
 NOBODY = -1  # owns an event
 
 
@@ -69,12 +72,13 @@ NOBODY = -1  # owns an event
 def initialise(s: Table, r: Table, glob: Table, modes: Table, places: Table) -> None:
     """Reset: every slot is free."""
     glob[:] = 0
-    glob[NEXT_STEP] = 1 << r[STEP_LOG2]
+    restep(r, glob)
     glob[IN_FORCE] = NEVER
     glob[SEEDING] = -1
     for i in range(s.shape[0]):
         s[i, STATE] = FREE
         s[i, DEADLINE] = NEVER
+    clear(s, places)
     renew(s, places, modes)
 
 
@@ -86,12 +90,9 @@ def _put_in_force(s: Table, glob: Table, places: Table, upto: int) -> None:
         if s[i, WAITS]:
             if s[i, WAITS] <= upto:
                 if glob[SEEDING] == i:
-                    take_window(s, i)
-                    enter(s, places, i)
                     glob[SEEDING] = -1
-                else:
-                    move(s, places, i)
-                    take_window(s, i)
+                take_window(s, i)
+                hold(s, places, i)
                 s[i, COUNT] = 0
                 s[i, WAITS] = 0
             else:
@@ -107,8 +108,10 @@ def _wait(s: Table, glob: Table, i: int) -> None:
 
 @njit(cache=True, nogil=True)
 def restep(r: Table, glob: Table) -> None:
-    """The registers have changed: the next step is at the next multiple of its length."""
-    glob[NEXT_STEP] = ((glob[NOW] >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
+    """`step_log2` has changed: the next step is slot 0's, at the next multiple of a period."""
+    glob[PERIOD] = ((glob[NOW] >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
+    glob[NEXT_SLOT] = 0
+    glob[NEXT_STEP] = glob[PERIOD]
 
 
 @njit(cache=True, nogil=True)
@@ -157,7 +160,7 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
 
 @step
 def _pause(r: Table, glob: Table) -> None:
-    """A motion step before which no kept event came does not count for deadlines, up to so many in a row."""
+    """A period in which no kept event came does not count for deadlines, up to so many in a row."""
     if glob[BUSY]:
         glob[EMPTY] = 0
     elif glob[EMPTY] < EMPTY_MAX:
@@ -167,16 +170,27 @@ def _pause(r: Table, glob: Table) -> None:
 
 
 @step
+def _go_on(r: Table, lim: Table, glob: Table, n_slots: int) -> None:
+    """From one slot's step to the next one's, spread over the period."""
+    glob[NEXT_SLOT] += 1
+    if glob[NEXT_SLOT] == n_slots:
+        glob[NEXT_SLOT] = 0
+        glob[PERIOD] += 1 << r[STEP_LOG2]
+    glob[NEXT_STEP] = glob[PERIOD] + ((glob[NEXT_SLOT] << r[STEP_LOG2]) >> lim[SLOTS_LOG2])
+
+
+@step
 def _step(s: Table, r: Table, lim: Table, glob: Table, places: Table, out: Table, n: int) -> int:
-    """One motion step of all slots, in order."""
+    """The next motion step of a slot."""
     now = glob[NEXT_STEP]
+    i = glob[NEXT_SLOT]
     if glob[IN_FORCE] != NEVER:
         _put_in_force(s, glob, places, NEVER)
-    glob[NEXT_STEP] += 1 << r[STEP_LOG2]
-    _pause(r, glob)
-    for i in range(s.shape[0]):
-        if s[i, STATE] != FREE:
-            n = _step_slot(s, r, lim, glob, i, now, out, n)
+    if i == 0:
+        _pause(r, glob)
+    if s[i, STATE] != FREE:
+        n = _step_slot(s, r, lim, glob, i, now, out, n)
+    _go_on(r, lim, glob, s.shape[0])
     return n
 
 
@@ -212,13 +226,13 @@ def _steps(
     Each comes before the first event that is not earlier, whether that was kept or not. `before` is how many events there were
     before the run.
     """
-    room = RECORDS_PER_SLOT * s.shape[0]
     now = ticks[e]
-    while glob[NEXT_STEP] <= now and n + room <= len(out):
+    while glob[NEXT_STEP] <= now and n + RECORDS_PER_STEP <= len(out):
         if not _lives(s):  # steps in which nothing happens, however many
-            glob[NEXT_STEP] += (((now - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
-            glob[EMPTY] = 0
-            glob[BUSY] = 0
+            glob[PERIOD] = (now >> r[STEP_LOG2]) << r[STEP_LOG2]
+            glob[NEXT_SLOT] = 0
+            while glob[NEXT_STEP] <= now:
+                _go_on(r, lim, glob, s.shape[0])
             break
         done = glob[SEQ] - before
         glob[SEQ] += np.searchsorted(ticks[done:e], glob[NEXT_STEP])
@@ -280,15 +294,13 @@ def feed(
         i, shared, seeds = find(places, x, y)
         if i >= 0 and not seeds:
             owner[e] = i
-            rel_x[e] = (x - s[i, WIN_LO_X]) & lim[REL_MASK]
-            rel_y[e] = (y - s[i, WIN_LO_Y]) & lim[REL_MASK]
+            rel_x[e] = (2 * x - s[i, BOX_LO_X] - s[i, BOX_HI_X]) & lim[REL_MASK]
+            rel_y[e] = (2 * y - s[i, BOX_LO_Y] - s[i, BOX_HI_Y]) & lim[REL_MASK]
             if _take(s, r, lim, i, x, y, shared):
                 n = _correct(s, r, glob, i, now, out, n)
         elif i >= 0 and glob[SEEDING] < 0:
             _seed(s, r, glob, places, i, x, y, now)
-            owner[e] = i
-            rel_x[e] = (x - s[i, NEXT_WIN_LO_X]) & lim[REL_MASK]
-            rel_y[e] = (y - s[i, NEXT_WIN_LO_Y]) & lim[REL_MASK]
+            owner[e] = i  # it is the middle of the candidate's box
         else:
             owner[e] = NOBODY
         glob[SEQ] += 1

@@ -15,15 +15,15 @@ from ._state import (
     BOX_LO_X,
     BOX_LO_Y,
     CANDIDATE,
+    HELD_BOX_HI_X,
+    HELD_BOX_HI_Y,
+    HELD_BOX_LO_X,
+    HELD_BOX_LO_Y,
+    HELD_WIN_HI_X,
+    HELD_WIN_HI_Y,
+    HELD_WIN_LO_X,
+    HELD_WIN_LO_Y,
     LEFT,
-    NEXT_BOX_HI_X,
-    NEXT_BOX_HI_Y,
-    NEXT_BOX_LO_X,
-    NEXT_BOX_LO_Y,
-    NEXT_WIN_HI_X,
-    NEXT_WIN_HI_Y,
-    NEXT_WIN_LO_X,
-    NEXT_WIN_LO_Y,
     STATE,
     VISIBLE,
     WIN_HI_X,
@@ -33,18 +33,18 @@ from ._state import (
     Table,
 )
 
-__all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "enter", "extent", "move", "renew"]
+__all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "clear", "extent", "hold", "renew"]
 
 # Rows of the table: the slots whose window, or whose box, covers each column or row; in the last one those in each state.
 WIN_X, WIN_Y, BOX_X, BOX_Y, OF_STATE = range(5)
 ROWS = 5
 
-# A slot's bounds in each of the first four rows: those in force, and the next ones.
+# A slot's bounds in each of the first four rows: those in force, and those that the row has.
 _BOUNDS = (
-    (WIN_X, WIN_LO_X, WIN_HI_X, NEXT_WIN_LO_X, NEXT_WIN_HI_X),
-    (WIN_Y, WIN_LO_Y, WIN_HI_Y, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y),
-    (BOX_X, BOX_LO_X, BOX_HI_X, NEXT_BOX_LO_X, NEXT_BOX_HI_X),
-    (BOX_Y, BOX_LO_Y, BOX_HI_Y, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y),
+    (WIN_X, WIN_LO_X, WIN_HI_X, HELD_WIN_LO_X, HELD_WIN_HI_X),
+    (WIN_Y, WIN_LO_Y, WIN_HI_Y, HELD_WIN_LO_Y, HELD_WIN_HI_Y),
+    (BOX_X, BOX_LO_X, BOX_HI_X, HELD_BOX_LO_X, HELD_BOX_HI_X),
+    (BOX_Y, BOX_LO_Y, BOX_HI_Y, HELD_BOX_LO_Y, HELD_BOX_HI_Y),
 )
 
 _SEEDED = int(Mode.SEEDED)
@@ -86,26 +86,32 @@ def _shift(sets: Table, low: int, high: int, next_low: int, next_high: int, slot
 
 
 @step
-def enter(s: Table, places: Table, i: int) -> None:
-    """Slot i, which held no pixel, holds those of its box and window from now on."""
-    for row, lo, hi, _, _ in _BOUNDS:
-        _join(places[row], s[i, lo], s[i, hi], alone(i))
+def clear(s: Table, places: Table) -> None:
+    """No slot holds a pixel."""
+    places[:] = _NONE
+    for i in range(s.shape[0]):
+        for _, _, _, held_lo, held_hi in _BOUNDS:
+            s[i, held_lo] = 1
+            s[i, held_hi] = 0
 
 
 @step
-def move(s: Table, places: Table, i: int) -> None:
-    """Slot i holds the pixels of its next box and window instead of those of the present ones; before these change."""
-    for row, lo, hi, next_lo, next_hi in _BOUNDS:
-        _shift(places[row], s[i, lo], s[i, hi], s[i, next_lo], s[i, next_hi], alone(i))
+def hold(s: Table, places: Table, i: int) -> None:
+    """Slot i holds the pixels of its box and window, which may have changed; none if it has neither."""
+    holds = s[i, STATE] in (CANDIDATE, VISIBLE)
+    for row, lo, hi, held_lo, held_hi in _BOUNDS:
+        low = s[i, lo] if holds else 1
+        high = s[i, hi] if holds else 0
+        _shift(places[row], s[i, held_lo], s[i, held_hi], low, high, alone(i))
+        s[i, held_lo] = low
+        s[i, held_hi] = high
 
 
 @step
 def renew(s: Table, places: Table, modes: Table) -> None:
-    """Fill in the table anew. Of those that could begin a candidate, only slots that do so by their mode."""
-    places[:] = _NONE
+    """Bring the table up to date. Of those that could begin a candidate, only slots that do so by their mode."""
+    places[OF_STATE] = _NONE
     for i in range(s.shape[0]):
-        holds = s[i, STATE] in (CANDIDATE, VISIBLE)
-        if holds or modes[i] == _SEEDED:
+        if s[i, STATE] in (CANDIDATE, VISIBLE) or modes[i] == _SEEDED:
             places[OF_STATE, s[i, STATE]] |= alone(i)
-        if holds:
-            enter(s, places, i)
+        hold(s, places, i)

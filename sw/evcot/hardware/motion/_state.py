@@ -17,11 +17,13 @@ Table = NDArray[Any]
  BOX_LO_X, BOX_HI_X, BOX_LO_Y, BOX_HI_Y, WIN_LO_X, WIN_HI_X, WIN_LO_Y, WIN_HI_Y,
  COUNT, N_EV, SUPPORT, CORRECTIONS, LAST, USUAL, DEADLINE, SEEDED, FROM_X, FROM_Y, PARTNER, TOGETHER, ID, REPORTED,
  BIN_LOG2_X, BIN_LOG2_Y, LOOKED, WAITS, NEXT_BOX_LO_X, NEXT_BOX_HI_X, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y,
- NEXT_WIN_LO_X, NEXT_WIN_HI_X, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y, RUN_X, RUN_Y) = range(50)  # fmt: skip
+ NEXT_WIN_LO_X, NEXT_WIN_HI_X, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y, RUN_X, RUN_Y,
+ HELD_BOX_LO_X, HELD_BOX_HI_X, HELD_BOX_LO_Y, HELD_BOX_HI_Y, HELD_WIN_LO_X, HELD_WIN_HI_X, HELD_WIN_LO_Y, HELD_WIN_HI_Y,
+) = range(58)  # fmt: skip
 BINS_LOG2 = 4
 BINS = 1 << BINS_LOG2  # of each axis
-BINS_X, BINS_Y = 50, 50 + BINS
-FIELD_COUNT = 50 + 2 * BINS
+BINS_X, BINS_Y = 58, 58 + BINS
+FIELD_COUNT = 58 + 2 * BINS
 
 FREE, CANDIDATE, VISIBLE, LEFT = range(4)  # STATE
 AT_LO_X, AT_HI_X, AT_LO_Y, AT_HI_Y = 1, 2, 4, 8  # bits of BEYOND and HIDDEN
@@ -43,11 +45,12 @@ _NAMES = [field.name for field in fields(MotionRegisters)]
     )
 )  # fmt: skip
 
-NOW, SEQ, BIRTHS, NEXT_STEP, IN_FORCE, SEEDING, EMPTY, BUSY, PAUSED = range(9)  # common to all slots
-GLOBAL_COUNT = 9
+# Common to all slots. The next step is that of NEXT_SLOT at tick NEXT_STEP, in the period that begins at tick PERIOD.
+NOW, SEQ, BIRTHS, PERIOD, NEXT_SLOT, NEXT_STEP, IN_FORCE, SEEDING, EMPTY, BUSY, PAUSED = range(11)
+GLOBAL_COUNT = 11
 
-ID_MASK, SUPPORT_MAX, REL_MASK, REACH = range(4)  # follow from the hardware's widths
-LIMIT_COUNT = 4
+ID_MASK, SUPPORT_MAX, REL_MASK, REACH, SLOTS_LOG2 = range(5)  # follow from the hardware's widths and number of slots
+LIMIT_COUNT = 5
 
 ONE = 1 << SUB
 NEVER = 1 << 62
@@ -58,5 +61,5 @@ TICKS_MAX = (1 << 24) - 1  # ticks between two corrections, saturating
 TOGETHER_MAX = (1 << 16) - 1  # steps together after which two merge in any case
 MOVES_FROM = 4  # corrections from which on a candidate's velocity counts
 IN_FORCE_AFTER = 64  # events after which a correction, or a candidate, is in force
-EMPTY_MAX = 32  # motion steps in a row without an event that do not bring a deadline nearer
+EMPTY_MAX = 32  # periods in a row without an event that do not bring a deadline nearer
 LOOKS_FROM = 8  # corrections from which on a gap counts

@@ -31,7 +31,7 @@ SUB = 12  # fractional bits of a side, and of a velocity in pixels per motion st
 # register -> (lowest, highest, meaning)
 MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
     {
-        "step_log2": (0, 20, "a motion step every 2^step_log2 ticks"),
+        "step_log2": (0, 20, "a motion step of each slot every 2^step_log2 ticks"),
         "side_step": (1, 65535, "way of a side for an event beyond and one within it, in 2^-12 px"),
         "side_share": (1, 8, "2^-side_share of a slot's events lie beyond each side"),
         "side_shrink": (0, 8, "a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never"),

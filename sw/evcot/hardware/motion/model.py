@@ -13,14 +13,14 @@ from ...ticks import TickedEvents
 from ..config import MotionConfig
 from ..contract import Mode
 from ..model import GoldenModel
-from ._kernel import RECORDS_PER_SLOT, feed, initialise, restart, restep
+from ._kernel import RECORDS_PER_STEP, feed, initialise, restart, restep
 from ._places import ROWS, extent
-from ._state import FIELD_COUNT, GLOBAL_COUNT, ID_MASK, LIMIT_COUNT, NOW, REACH, REL_MASK, SUPPORT_MAX
+from ._state import FIELD_COUNT, GLOBAL_COUNT, ID_MASK, LIMIT_COUNT, NOW, REACH, REL_MASK, SLOTS_LOG2, STEP_LOG2, SUPPORT_MAX
 from .contract import MOTION_RECORD, SUB, MotionRegisters
 
 __all__ = ["MotionModel"]
 
-_SPARE_RECORDS = 4096  # in the buffer of the compiled loop, beside those of a motion step
+_SPARE_RECORDS = 4096  # in the buffer of the compiled loop, beside those of a slot's motion step
 
 
 class MotionModel(GoldenModel):
@@ -35,11 +35,12 @@ class MotionModel(GoldenModel):
         self._limits[ID_MASK] = (1 << shape.id_w) - 1
         self._limits[SUPPORT_MAX] = (1 << shape.sup_w) - 1
         self._limits[REL_MASK] = (1 << shape.rel_w) - 1
+        self._limits[SLOTS_LOG2] = (shape.n_slots - 1).bit_length()
         self._limits[REACH] = 1 << (shape.reach_log2 + SUB)
         self._modes = np.array(config.modes, np.int64)
         self._state = np.zeros((shape.n_slots, FIELD_COUNT), np.int64)
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)
-        self._buffer = np.zeros(RECORDS_PER_SLOT * shape.n_slots + _SPARE_RECORDS, MOTION_RECORD)
+        self._buffer = np.zeros(RECORDS_PER_STEP + _SPARE_RECORDS, MOTION_RECORD)
         self._places = np.zeros((ROWS, extent(shape.x_w, shape.y_w)), np.uint64)
         initialise(self._state, self._registers, self._globals, self._modes, self._places)
 
@@ -76,8 +77,10 @@ class MotionModel(GoldenModel):
 
     def write_registers(self, registers: MotionRegisters) -> None:
         """Change the registers of all slots before the next event, as commits do; tracks go on: docs/registers.md."""
+        step_log2 = self._registers[STEP_LOG2]
         self._registers[:] = astuple(registers)
-        restep(self._registers, self._globals)
+        if registers.step_log2 != step_log2:
+            restep(self._registers, self._globals)
 
     @property
     def time(self) -> int:

@@ -161,9 +161,8 @@ class Events:
         done = {"owned": 1, "slot": slot.number}
         if slot is slow.seeded and slot is not seeded:
             slot.due = 0
-            ring = min((2 * self.r.seed_px >> self.r.ring_any) + self.r.ring_px, self.r.ring_max)
             self.count("seeds")
-            return done | {"seeds": 1} | {f"rel_{axis}": self.r.seed_px + ring for axis in "xy"}
+            return done | {"seeds": 1, "rel_x": 0, "rel_y": 0}
         waits, axes = slot.due is not None, slot.axes
         starts = [pixel(axis.lo) for axis in axes]
         corrects = slot.take(place, shared, MOST)
@@ -174,7 +173,7 @@ class Events:
         if corrects:
             slot.due = 0
         self.count("shared" if shared else "waits" if waits else "corrects" if corrects else "owned")
-        rel = {f"rel_{name}": (at - axis.window[0]) % REL for name, axis, at in zip("xy", axes, place, strict=True)}
+        rel = {f"rel_{name}": (2 * at - sum(axis.box)) % REL for name, axis, at in zip("xy", axes, place, strict=True)}
         return done | {"corrects": int(corrects), "support": slot.support} | rel
 
     def count(self, name: str) -> None:

@@ -68,11 +68,12 @@ class Order(Control):
         assert int(io.rests)
         return list(self.said)
 
-    def step(self) -> list[Said]:
+    def step(self, slot: int) -> list[Said]:
+        self.io.work_slot = slot
         return self.until_it_rests("do_step")
 
     def end(self, slot: int) -> list[Said]:
-        self.io.end_slot = slot
+        self.io.work_slot = slot
         return self.until_it_rests("do_end")
 
     def until_it_rests(self, port: str) -> list[Said]:
@@ -140,14 +141,14 @@ def test_the_lives_of_two_slots(stalls: bool) -> None:
 
     # Both become visible in a step.
     io.corrections, io.appears = 4, 1
-    said = order.step()
-    assert names(said) == 2 * [
-        "op_read", "load", "load_support", "reflect", "move", "shorten", "reflect", "place", "keep_window", "op_read",
-        "compare", "part", "ask", "keep_id", "keep_now", "say", "keep", "op_store op_full op_put",
-    ]  # fmt: skip
-    assert [entry for entry in said if entry[0] in ("keep_id", "say")] == [
-        ("keep_id", 0), ("say", 0, Kind.BORN), ("keep_id", 2), ("say", 2, Kind.BORN),
-    ]  # fmt: skip
+    for slot in (0, 2):
+        said = order.step(slot)
+        assert names(said) == [
+            "op_read", "load", "load_support", "reflect", "move", "shorten", "reflect", "place", "keep_window", "op_read",
+            "compare", "part", "ask", "keep_id", "keep_now", "say", "keep", "op_store op_full op_put",
+        ]  # fmt: skip
+        assert [entry for entry in said if entry[0] in ("keep_id", "say")] == [("keep_id", slot), ("say", slot, Kind.BORN)]
+    assert order.step(1) == []  # a free slot
     assert (int(io.visible), int(io.candidate)) == (5, 0)
     io.shrinks = 0
     assert names(order.job(2, 63))[-7:-1] == ["say", "place", "op_store", "keep", "keep_window", "keep_now"]
@@ -155,7 +156,7 @@ def test_the_lives_of_two_slots(stalls: bool) -> None:
 
     # The lower one takes the other one in, with a record of each; then its life ends.
     io.corrections, io.alike, io.enough, io.weaker = 4, 1, 1, 0
-    said = order.step()
+    said = order.step(0)
     merge = names(said)[9 : 11 + MERGE]
     merge[-4:] = sorted(merge[-4:])  # the record does not wait for the write
     assert merge == [

@@ -54,6 +54,7 @@ def test_random_traffic(seed: int) -> None:
     sim.clock.tick()
     io.rst = 0
     next_step, now, issued, seeded = 1 << step_log2, 0, 0, [False] * N
+    period, step_slot = next_step, 0
     restarts: dict[int, int] = {}  # slots whose life must end, and since when
     written: tuple[int, bool] | None = None  # a slot whose mode was written in the clock before, and whether it is seeded then
     could_start = could_take = put_busy = rested = False
@@ -72,22 +73,24 @@ def test_random_traffic(seed: int) -> None:
             "reached",
             "no room",
             "write",
+            "same",
             "over",
             "empty",
             "too many empty",
         ),
         0,
     )
-    quiet_since, settled, putting = 0, 8, 0
+    quiet_since, settled, putting, steps_change = 0, 8, 0, True
     seen |= {"empty": 0, "too many empty": 0}
-    came, empty, paused, kept = False, 0, 0, False  # steps before which no event came
-    for clock in range(3_500):
+    came, empty, paused, kept = False, 0, 0, False  # periods in which no event came
+    for clock in range(9_000):
         # ---- what is shown to it
         wrote_mode, io.cfg_valid = bool(int(io.cfg_valid)) and int(io.cfg_addr) == MODE, 0
         if rng.random() < (0.3 if wrote_mode else 0.006):
-            io.cfg_valid, io.cfg_addr, io.cfg_slot, io.cfg_mode = 1, MODE, int(rng.integers(N)), int(rng.integers(2))
+            io.cfg_valid, io.cfg_addr, io.cfg_slot, io.cfg_data = 1, MODE, int(rng.integers(N)), int(rng.integers(2)) | 4
         elif settled == 0 and int(io.quiet) and around.nothing and not stepping and rng.random() < 0.2:
             io.cfg_valid, io.cfg_addr, step_log2 = 1, STEP_LOG2, int(rng.integers(9))
+            io.cfg_data, steps_change = step_log2, step_log2 != int(io.step_log2)
             settled = 10
         if clock % 200 < 150 and not around.token and settled <= 4 and not stepping and rng.random() < 0.5:
             around.token, around.counts, around.time = True, rng.random() < 0.8, around.time + int(rng.integers(20))
@@ -124,7 +127,7 @@ def test_random_traffic(seed: int) -> None:
         assert (step or end) == could_start
         assert end == (could_start and bool(ending))
         if end:
-            assert int(io.end_slot) == min(ending)
+            assert int(io.work_slot) == min(slot for slot, since in restarts.items() if since <= clock - 2)
             seen["end before step"] += around.token and around.due
             seen["lowest"] += len(ending) > 1
         over = stepping >= 3 and rested  # its last clock
@@ -136,7 +139,7 @@ def test_random_traffic(seed: int) -> None:
         assert settled > 5 or int(io.next_step) == next_step
         assert int(io.paused) == paused
         under_way = stepping or reached or put_busy or restarts or written
-        assert not int(io.quiet) or not (under_way or 5 < settled < 10)
+        assert not int(io.quiet) or not (under_way or (steps_change and 5 < settled < 10))
         quiet_since = 0 if under_way or settled > 5 else quiet_since + 1
         assert int(io.quiet) or quiet_since < 3
         for name, happens in (*took.items(), ("step", step), ("end", end), ("reached", reached), ("over", over)):
@@ -181,12 +184,17 @@ def test_random_traffic(seed: int) -> None:
                 around.puts.append(around.jobs.pop(0))
         came = came or (took["token"] and kept)
         if step:
+            assert int(io.work_slot) == step_slot
+        if step and step_slot == 0:
             empty = 0 if came else empty + 1
             paused += 1 << step_log2 if 0 < empty <= 32 else 0
             seen["empty"] += 0 < empty <= 32
             seen["too many empty"] += empty > 32
             came = False
-            next_step = (next_step // (1 << step_log2) + 1) << step_log2
+        if step:
+            step_slot = (step_slot + 1) % N
+            period += 1 << step_log2 if step_slot == 0 else 0
+            next_step = period + (step_slot << step_log2 >> SLOT_W)
         if step or end:
             stepping, around.busy = 1, int(rng.integers(0, 20))
         elif stepping:
@@ -194,18 +202,21 @@ def test_random_traffic(seed: int) -> None:
             if over:
                 around.due = around.token and around.time >= next_step
         if end:
-            del restarts[int(io.end_slot)]
+            del restarts[int(io.work_slot)]
         if written:
             restarts.setdefault(written[0], clock)
             seeded[written[0]] = written[1]
         writes_mode = int(io.cfg_valid) and int(io.cfg_addr) == MODE
-        written = (int(io.cfg_slot), int(io.cfg_mode) == Mode.SEEDED) if writes_mode else None
+        written = (int(io.cfg_slot), int(io.cfg_data) % 4 == Mode.SEEDED) if writes_mode else None
         sim.clock.tick()
         settled = max(settled - 1, 0)
         if settled == 8:
             io.step_log2 = step_log2
-            next_step = ((now >> step_log2) + 1) << step_log2
+            if steps_change:
+                next_step = period = ((now >> step_log2) + 1) << step_log2
+                step_slot = 0
             seen["write"] += 1
+            seen["same"] += not steps_change
     assert min(seen.values()) > 0, seen
 
 

@@ -224,20 +224,19 @@ class Work:
         self.memory[slot.number].hidden = 0 if seeds else self.memory[slot.number].hidden
         self.memory[slot.number].support = slot.support
 
-    def step(self, now: int) -> None:
+    def step(self, number: int, now: int) -> None:
         io = self.io
         self.clock()  # nothing was under way in it
-        io.do_step, io.now, io.seq = 1, now, len(self.slow.owners)
+        io.do_step, io.work_slot, io.now, io.seq = 1, number, now, len(self.slow.owners)
         self.until_it_rests()
-        for i in range(N):
-            slot = self.slow.slots[i]
-            if slot is not None:
-                self.slow._step(slot, now)
+        slot = self.slow.slots[number]
+        if slot is not None:
+            self.slow._step(slot, now)
 
     def end(self, slot: Slot, now: int) -> None:
         io = self.io
         self.clock()
-        io.do_end, io.end_slot, io.now, io.seq = 1, slot.number, now, len(self.slow.owners)
+        io.do_end, io.work_slot, io.now, io.seq = 1, slot.number, now, len(self.slow.owners)
         self.until_it_rests()
         if slot.visible:
             self.slow._record(slot, Kind.LOST, now)
@@ -271,12 +270,12 @@ def test_random_work(name: str) -> None:
     registers = replace(QUICK, **{**BUSY, **CASES[name]})
     work = Work(registers, 10, stalls=name != "support")
     rng, now = work.rng, 0
-    for _ in range(180):
+    for _ in range(300):
         now += int(rng.integers(1, 20))
-        while work.slow.next_step <= now:
+        while work.slow.step_tick <= now:
             work.disturb()
-            work.step(work.slow.next_step)
-            work.slow.next_step += 1 << registers.step_log2
+            work.step(work.slow.step_slot, work.slow.step_tick)
+            work.slow.step_tick, work.slow.step_slot = next(work.slow.steps)
             work.agrees()
         work.disturb()
         living = work.living()

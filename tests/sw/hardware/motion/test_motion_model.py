@@ -15,7 +15,7 @@ from evcot.hardware.config import MotionConfig, with_module
 from evcot.hardware.contract import Mode
 from evcot.hardware.golden import to_track_records
 from evcot.hardware.model import Decisions
-from evcot.hardware.motion._kernel import RECORDS_PER_SLOT
+from evcot.hardware.motion._kernel import RECORDS_PER_STEP
 from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
 from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
@@ -108,12 +108,19 @@ def test_runs_may_be_cut_anywhere(cuts: list[int]) -> None:
     same(whole, Decisions(*(np.concatenate([getattr(part, name) for part in parts]) for name in Decisions._fields)))
 
 
-def test_an_event_is_at_its_place_in_its_owner_window() -> None:
-    decided = MotionModel(config_of(QUICK)).feed(scene(1))
-    owned = decided.owner >= 0
-    assert owned.any()
-    assert decided.rel_x[owned].max() <= QUICK.side_max + 2 * QUICK.ring_max + 1
-    assert not decided.rel_x[~owned].any()
+def test_an_event_is_addressed_from_the_middle_of_its_owners_box_in_half_pixels() -> None:
+    def addressed(events: TickedEvents) -> tuple[Decisions, NDArray[np.int64]]:
+        decided = MotionModel(config_of(QUICK, radix_w=8)).feed(events)
+        return decided, (np.stack([decided.rel_x, decided.rel_y]).astype(np.int64) + 512) % 1024 - 512
+
+    # A candidate begins at the first event, and is in force 64 events later. Events move its sides, but not its box.
+    x, y = np.array([30] * 65 + [33, 28]), np.array([20] * 65 + [19, 23])
+    decided, rel = addressed(TickedEvents(0 * x, x.astype(np.uint16), y.astype(np.uint16), np.zeros(67, np.uint8)))
+    assert decided.owner.tolist() == [0] + [-1] * 63 + [0] * 3
+    assert rel[:, [0, 64, 65, 66]].T.tolist() == [[0, 0], [0, 0], [6, -2], [-4, 6]]
+    decided, rel = addressed(scene(1))
+    assert np.abs(rel).max() <= QUICK.side_max + 2 * QUICK.ring_max + 1
+    assert not rel[:, decided.owner < 0].any()
 
 
 @pytest.mark.parametrize("passing", [0.9, 0.3])
@@ -137,7 +144,7 @@ def test_a_buffer_of_records_that_is_full_again_and_again_changes_nothing(spare:
     keep = np.random.default_rng(spare).random(len(events)) < 0.6
     whole = MotionModel(config_of(FEW_EVENTS)).feed(events, keep)
     monkeypatch.setattr("evcot.hardware.motion.model._SPARE_RECORDS", spare)
-    assert len(whole.records) > 10 * (RECORDS_PER_SLOT * SHAPE.n_slots + spare)
+    assert len(whole.records) > 10 * (RECORDS_PER_STEP + spare)
     same(MotionModel(config_of(FEW_EVENTS)).feed(events, keep), whole)
 
 
