@@ -3,7 +3,7 @@
 
 python benchmarks/motion_search.py --seed 1 --minutes 40      # prints every better setting, and what differs from the preset
 
-Everything else is chosen by what is seen (docs/adaptive.md, "Settings of the hardware"). A merit is a mean over families,
+Filters and slots are those of the preset. A merit is a mean over families,
 with weights, of 0.7 HOTA of centres + 0.3 HOTA of boxes; where nothing is there, of 1 - 0.25 per track. A setting that is worse
 than the one it came from on a part of the recordings is dropped at once.
 """
@@ -23,8 +23,6 @@ from evcot.errors import ConfigError
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.motion.contract import MOTION_RANGES
 from evcot.metrics import evaluate
-from evcot.trackers.adaptive.estimates import Estimates, estimate
-from evcot.trackers.auto import auto_config
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import MOTION
 from evcot.tracks.log import Kind, TrackLog
@@ -49,11 +47,10 @@ Registers = dict[str, int]
 
 
 class Case(NamedTuple):
-    """A recording, its family's name in `_WEIGHTS`, and what was seen of it."""
+    """A recording, and its family's name in `_WEIGHTS`."""
 
     family: str
     member: Member
-    seen: Estimates
 
 
 def main() -> None:
@@ -103,8 +100,7 @@ def _cases() -> list[Case]:
             except Absent:
                 continue
             counts[family] += 1
-            sensor = member.recording.width, member.recording.height
-            found.append(Case(family, member, estimate([member.recording.events], sensor)))
+            found.append(Case(family, member))
     return found
 
 
@@ -145,8 +141,7 @@ def _merit(cases: list[Case], scores: list[float], part: NDArray[np.int64]) -> f
 
 def _score(registers: Registers, case: Case) -> float:
     member, recording = case.member, case.member.recording
-    changed = replace(MOTION, hardware=replace(_HARDWARE, registers=replace(_REGISTERS, **registers)))
-    config = auto_config(case.seen, changed)
+    config = replace(MOTION, hardware=replace(_HARDWARE, registers=replace(_REGISTERS, **registers)))
     tracker = ENGINES["cot_motion"].start(config, config.filters, (recording.width, recording.height))
     records = np.concatenate([tracker.feed(recording.events)[0], tracker.finish()])
     if member.empty:

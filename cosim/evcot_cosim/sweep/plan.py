@@ -192,7 +192,7 @@ class Planner:
 
 def _fault(task: Task, sensor: Sensor) -> str | None:
     try:
-        config, filters = configuration(task.engine, sensor, task.preset, task.tables, task.hardware)
+        config, _ = configuration(task.engine, sensor, task.preset, task.tables, task.hardware)
         if isinstance(config, RunConfig):
             config.device_config(*sensor)
             check_addresses_of(sensor, config.hardware, "the input")

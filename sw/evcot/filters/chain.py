@@ -59,7 +59,8 @@ class FilterChain(EventFilter):
         enabled = [which for which in Filter if registers.enables(which)]
         self._cells: CellsFilter | None = None
         self._stages: list[tuple[list[Filter], EventFilter]] = []
-        joined: list[Filter] = [which for which in enabled if which in (Filter.REFRACTORY, Filter.ACTIVITY)] if shape.cell_px else []
+        with_cells = (Filter.REFRACTORY, Filter.ACTIVITY) if shape.cell_px else ()
+        joined = [which for which in enabled if which in with_cells]
         for which in enabled:
             if which not in joined:
                 self._stages.append(([which], FILTERS[which](registers, shape)))

@@ -63,7 +63,7 @@ class FilterRegisters:
         if shape.cell_px:
             self._check_units(shape)
         elif self.enables(Filter.ACTIVITY) and not self.activity_support:
-            raise ConfigError("filters.activity_support = 0: must be 1 to 8 with cell_px = 0; noise is followed with cells only")
+            raise ConfigError("filters.activity_support = 0: must be 1 to 8 with cell_px = 0")
         for x, y in self.hot_pixels:
             if not (0 <= x < shape.width and 0 <= y < shape.height):
                 raise ConfigError(f"filters.hot_pixels holds ({x}, {y}): must lie on the {shape.width}x{shape.height} sensor")

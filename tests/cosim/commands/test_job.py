@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which configuration a run gets: by what is seen in the recording, by a preset, or by a file; what may be changed alone."""
+"""Which configuration a run gets: the default, a preset, or a file; what may be changed alone."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from evcot.trackers.auto import auto_config, summary_line
 
-from evcot.events import Recording
-from evcot.recordings.files import read_recording, write_recording
+from evcot.recordings.files import write_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.adaptive.estimates import estimate
 from evcot.trackers.config import RunConfig, load_toml
+from evcot.trackers.presets import run_config
 from evcot_cosim.cli import main, parser
 from evcot_cosim.commands.actions import job
 from evcot_cosim.commands.parsing import claims_of
@@ -40,19 +38,13 @@ class Printed:
         self.tables: dict[str, Any] = tomllib.loads(self.text)
 
 
-def test_a_recording_is_looked_at(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    recording = read_recording(discs)
-    seen = estimate([recording.events], (346, 260))
+def test_every_recording_gets_the_default(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     printed = Printed(capsys, tmp_path, str(discs))
-    assert seen.objects is not None
-    assert printed.config == auto_config(seen)
-    assert printed.err == f"{summary_line(seen, printed.config)}\n"
-    assert f"# {summary_line(seen, printed.config)}\n" in printed.text
-    assert Printed(capsys, tmp_path, str(discs), "--preset", "auto").text == printed.text
-    assert Printed(capsys, tmp_path, str(discs), "-q").err == ""
+    assert (printed.config, printed.err) == (run_config(346, 260), "")
+    assert Printed(capsys, tmp_path, str(discs), "--preset", "motion").text == printed.text
 
 
-def test_the_printed_run_is_repeated_without_a_look(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_printed_run_is_repeated(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     first = Printed(capsys, tmp_path, str(discs), "--slots", "5")
     again = Printed(capsys, tmp_path, "--config", str(tmp_path / "printed.toml"))
     assert (again.config, again.err) == (first.config, "")
@@ -86,8 +78,6 @@ def test_a_file_of_cot_array_changes_the_preset_for_the_sensor(
         changes = len(slots) if "[cot]" in text else 1
         slots = tuple(replace(slot, max_ticks=1234) if i < changes else slot for i, slot in enumerate(slots))
     assert changed == replace(plain, hardware=replace(plain.hardware, slots=slots))
-    assert main(["cosim", str(discs), "--preset", "auto", "--config", str(mine)]) == 2
-    assert "--preset auto: must not be given with --hardware cot_array" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("hardware", ["cot", "cot_chain", "cot_array"])
@@ -103,7 +93,7 @@ def test_other_modules_get_the_preset_for_the_sensor(
     [
         ("--hardware cot_motion --preset traffic", "hardware = 'cot_motion': these registers are those of cot, cot_chain and"),
         ("--hardware cot_array --preset motion", "hardware = 'cot_array': these registers are those of cot_motion with preset"),
-        ("--hardware cot_chain --preset auto", "--preset auto: must not be given with --hardware cot_chain"),
+        ("--preset auto", "preset 'auto': must be one of motion"),
         ("--hardware cot --slots 2", "shape.n_slots = 2: must be 1 for a single tracker"),
     ],
 )
@@ -127,24 +117,8 @@ def test_the_box_experiment_is_run_by_the_default(tmp_path: Path, capsys: pytest
     assert (printed.config.hardware.module, printed.config.name, printed.err) == ("cot_motion", "motion", "")
 
 
-def test_too_short_a_recording_says_that_none_was_seen(discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    recording = read_recording(discs)
-    path = tmp_path / "short.npz"
-    write_recording(Recording(recording.events[:50], 346, 260, "short"), path)
-    printed = Printed(capsys, tmp_path, str(path))
-    assert "no object seen for long enough -> cot_motion with 8 slots" in printed.err
-    assert printed.config.software == "adaptive"
-
-
-def test_a_long_recording_is_looked_at_by_kernels_that_another_process_compiled(
-    discs: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Compiling takes 100 MB, which a run that is documented at 400 MB has not got."""
-    compiled: list[object] = []
-    monkeypatch.setattr(job, "compiled_aside", lambda function, *_: compiled.append(function))
+def test_a_long_recording_is_held_in_part(discs: Path) -> None:
     options = parser().parse_args(["cosim", str(discs)])
     options.claims = claims_of(options)
-    for most, aside in ((1_000, [estimate]), (None, [])):
-        compiled.clear()
+    for most in (1_000, None):
         assert job.job_from(options, most=most).more == (most is not None)
-        assert compiled == aside

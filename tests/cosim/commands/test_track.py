@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,11 +19,10 @@ from evcot.scenes.registry import simulate_scene
 from evcot.trackers.adaptive.estimates import estimate
 from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import FOLLOWING, fit, preset
+from evcot.trackers.presets import MOTION, fit, preset, run_config
 from evcot.trackers.rct.presets import PRESETS
 from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks.log import Kind, TrackLog
-from evcot.tracks.tracking import log_of
 from evcot_cosim.cli import main
 
 
@@ -62,24 +60,19 @@ def test_every_engine_follows_the_discs(source: Path, engine: str) -> None:
     assert len(log.of_kind(Kind.BORN)) >= 4
 
 
-def test_the_default_is_the_hardware_s_model_behind_filters_that_follow_the_noise(source: Path) -> None:
+def test_the_default_is_the_model_of_the_default_hardware(source: Path) -> None:
     log = tracked(source)
     assert log.engine == "cot_motion"
-    tracker = ENGINES["cot_motion"].start(FOLLOWING, FOLLOWING.filters, (346, 260))
     recording = read_recording(source)
-    assert_same(log, log_of("cot_motion", tracker, [recording.events]))
+    assert_same(log, cot_track(recording, run_config(346, 260).device_config()))
     assert_same(log, evcot.track(recording))
-    assert_same(log, tracked(source, "--engine", "cot_motion", "--preset", "auto"))
+    assert_same(log, tracked(source, "--engine", "cot_motion", "--preset", "motion"))
 
 
-def test_it_says_what_it_saw_unless_asked_to_be_quiet(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["track", str(source), "--json"]) == 0
-    said = capsys.readouterr()
-    assert re.fullmatch(r"auto: 346x260, 0.2 s, noise [0-9.]+ Hz/pixel, 0 hot pixels, .* -> at the end an event .*\n", said.err)
-    assert json.loads(said.out)["engine"] == "cot_motion"
+def test_adaptive_prints_its_estimates_unless_asked_to_be_quiet(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["track", str(source), "--json", "--engine", "adaptive"]) == 0
     assert capsys.readouterr().err == f"{estimate([read_recording(source).events], (346, 260))}\n"
-    for quiet in (["-q"], ["--json", "--engine", "rct"]):
+    for quiet in (["-q", "--engine", "adaptive"], ["--json"]):
         assert main(["track", str(source), *quiet]) == 0
         assert capsys.readouterr().err == ""
 
@@ -116,11 +109,11 @@ def test_single_registers_of_motion_can_be_changed(source: Path, capsys: pytest.
 
 def test_filters_that_are_given_follow_nothing(source: Path) -> None:
     recording = read_recording(source)
-    held = replace(FOLLOWING.filters, activity_noise_hz=0.0, activity_support=2)
+    held = replace(MOTION.filters, activity_noise_hz=0.0, activity_support=2)
     log = tracked(source, "--activity-support", "2")
     assert np.array_equal(log.owner == -2, ~apply(recording, held)[1])
     without = tracked(source, "--activity", "0")
-    assert np.array_equal(without.owner == -2, ~apply(recording, FilterConfig(refractory_us=1_000))[1])
+    assert np.array_equal(without.owner == -2, ~apply(recording, FilterConfig(refractory_us=1_000, cell_px=1))[1])
 
 
 @pytest.mark.parametrize("engine", [("rct",), ("cot_array", "--preset", "davis346")])

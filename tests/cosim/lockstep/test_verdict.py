@@ -196,24 +196,21 @@ def test_tracks_for_each_object_are_told_in_plain_numbers(monkeypatch: pytest.Mo
 DATA = Path(__file__).parents[4] / "shared" / "data"
 
 
-@pytest.mark.parametrize("preset", ["auto", "slow"])
+@pytest.mark.parametrize("preset", ["motion", "slow"])
 @pytest.mark.parametrize("name", ["hand_dvs128.aedat4", "traffic_outbound.aedat4"])
 def test_a_real_recording_is_told_good_from_useless(name: str, preset: str) -> None:
     """`slow` finds no track that lasts."""
-    grade = Grade.GOOD if preset == "auto" else Grade.POOR
+    grade = Grade.GOOD if preset == "motion" else Grade.POOR
     if not (DATA / name).is_file():
         pytest.skip(f"{name} is not here")
     from evcot.hardware.golden import track as track_model
     from evcot.recordings.files import open_recording
-    from evcot.trackers.adaptive.estimates import estimate
-    from evcot.trackers.auto import auto_config
     from evcot.trackers.presets import PRESETS, fit
 
     with open_recording(DATA / name) as file:
         recording = file.read()
     sensor = recording.width, recording.height
-    seen = estimate([recording.events], sensor)
-    config = fit(PRESETS[preset], *sensor) if preset in PRESETS else auto_config(seen)
+    config = fit(PRESETS[preset], *sensor)
     log = track_model(recording, config.device_config(*sensor))
     verdict = verdict_of(recording, {"hardware": log}, {"exact": True, "config": config.to_dict()})
     assert verdict.grade is grade, verdict_lines(verdict)

@@ -90,7 +90,10 @@ class TestConfig:
             ({"hot_pixels": [(1, 2), (1, -2)]}, "hot_pixels holds (1, -2): must be [x, y], each from 0 to 65535"),
             ({"hot_pixels": [(1, 2.0)]}, "hot_pixels holds (1, 2.0): must be [x, y], each from 0 to 65535"),
             ({"activity_noise_hz": 0.5}, "activity_noise_hz = 0.5: must be 0 without activity_us"),
-            ({"activity_noise_hz": 0.5, "activity_us": 9}, "activity_noise_hz = 0.5: must be 0 without memories of cells; set cell_px to 1, 2 or 4"),
+            (
+                {"activity_noise_hz": 0.5, "activity_us": 9},
+                "activity_noise_hz = 0.5: must be 0 without memories of cells; set cell_px to 1, 2 or 4",
+            ),
             ({"recent_support": 9, "recent_depth": 8}, "recent_support = 9: must be at most recent_depth = 8"),
         ],
     )

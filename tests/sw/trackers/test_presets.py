@@ -12,7 +12,7 @@ from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import Mode
 from evcot.hardware.modules import MODULES, Module
 from evcot.trackers.config import RunConfig
-from evcot.trackers.presets import AUTO, MOTION, PRESETS, fit, for_sensor, preset, presets_of, run_config
+from evcot.trackers.presets import MOTION, PRESETS, fit, for_sensor, preset, presets_of, run_config
 
 
 def slots_of(run: RunConfig) -> CotConfig:
@@ -130,5 +130,4 @@ def test_a_preset_of_another_module_is_refused(name: str, hardware: str) -> None
 def test_the_presets_of_a_module_configure_it(module: Module) -> None:
     for name, run in presets_of(module).items():
         assert (run.name, run.hardware.module) == (name, module)
-        if name != AUTO:  # whose filters follow the noise, as registers do not
-            assert run.device_config(1280, 720).module == module
+        assert run.device_config(1280, 720).module == module
