@@ -174,7 +174,7 @@ module cot_motion #(
     wire [9:0]          o_log2, o_n_ev;
     wire [4*PX_W-1:0]   o_box, o_window, ask_for;
     wire                ask, begins;
-    wire [N-1:0]        in_box, in_window, visible, candidate, left;
+    wire [N-1:0]        in_box, in_window, in_line, visible, candidate, left;
     wire [SLOT_W-1:0]   begins_slot, bin_slot;
     wire                bin_count, bin_clear, in_bin_x, in_bin_y;
     wire [3:0]          bin_cleared, bin_x, bin_y;
@@ -318,6 +318,7 @@ module cot_motion #(
         .ask_for    (ask_for),
         .in_box     (in_box),
         .in_window  (in_window),
+        .in_line    (in_line),
         .regs       (regs),
         .visible    (visible),
         .candidate  (candidate),
@@ -500,6 +501,7 @@ module cot_motion #(
         .ask_for        (ask_for),
         .in_box         (in_box),
         .in_window      (in_window),
+        .in_line        (in_line),
         .look           (look),
         .look_y         (look_y),
         .look_log2      (look_log2),

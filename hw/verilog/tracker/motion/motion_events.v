@@ -76,6 +76,7 @@ module motion_events #(
     input  wire [4*PX_W-1:0] ask_for,     // lo and hi on x, lo and hi on y
     output wire [N-1:0]      in_box,      // two clocks later
     output wire [N-1:0]      in_window,
+    output wire [N-1:0]      in_line,     // which boxes share a column or a row
 
     // registers and slots
     input  wire [`MOTION_REGS_W-1:0] regs,
@@ -144,6 +145,7 @@ module motion_events #(
 
     assign in_box      = box_x & box_y;
     assign in_window   = window_x & window_y;
+    assign in_line     = box_x | box_y;
     assign begins      = op_2[5];
     assign begins_slot = op_slot_2;
 

@@ -30,8 +30,10 @@ module motion_meeting #(
     output reg  [4*PX_W-1:0] ask_for,
     input  wire [N-1:0]      in_box,     // two clocks later
     input  wire [N-1:0]      in_window,
+    input  wire [N-1:0]      in_line,    // a column or a row is shared with the box
 
     output reg               done,
+    output reg  [N-1:0]      nearby,     // boxes that share a column or a row: no other one can be one object with this one (rule M2)
     output reg               meets,      // a visible one's window
     output reg  [3:0]        hidden,     // sides that visible ones hide: hi and lo of y, hi and lo of x
     output reg               held,       // the middle of the box lies in a visible one's window
@@ -109,6 +111,7 @@ module motion_meeting #(
         if (step[7]) hidden[2] <= sees;
         if (step[8]) hidden[3] <= sees;
         if (step[9]) held <= sees;
+        if (step[9]) nearby <= in_line;
         if (step[10]) begin
             touches <= any_box;
             touched <= lowest;

@@ -4,8 +4,7 @@
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    a clock of a free slot, 10 of one whose track may return; of one that lives 66 and one for each slot, and 31 for each other
-//             one with four corrections.
+// Latency:    a clock of a free slot, 10 of one whose track may return, 65 of one that lives; 37 for each one that it is compared with.
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
 // Reset:      waits for a start.
@@ -59,6 +58,7 @@ module motion_step #(
     input  wire              weaker,       // than the one that was read, two clocks before
     input  wire              keep_older,
     input  wire              meet_done,
+    input  wire [N-1:0]      nearby,       // the slot can be one object with these alone
     input  wire              held,
     input  wire              touches,
     input  wire [SLOT_W-1:0] touched,
@@ -99,8 +99,6 @@ module motion_step #(
     output reg               keep_window
 );
 
-    localparam [31:0] SLOTS = N;
-
     localparam [1:0] LAST     = 2'd0;
     localparam [1:0] UNTIL    = 2'd1;
     localparam [1:0] SEEDED   = 2'd2;
@@ -115,7 +113,7 @@ module motion_step #(
     localparam [4:0] LONG    = 5'd7;   // where it is too long, it is shortened; then what has changed is noted
     localparam [4:0] PLACE   = 5'd8;   // box and window
     localparam [4:0] WINDOW  = 5'd9;   // waits for them
-    localparam [4:0] SCAN    = 5'd10;  // compares it with others: the next one
+    localparam [4:0] SCAN    = 5'd10;  // compares it with those near: the next one
     localparam [4:0] COMPARE = 5'd11;  // reads that one
     localparam [4:0] PAIR    = 5'd12;
     localparam [4:0] FOUND   = 5'd13;
@@ -136,11 +134,12 @@ module motion_step #(
     localparam [4:0] LAPSE   = 5'd28;  // the slot becomes free
     localparam [4:0] DONE    = 5'd29;  // writes the slot back
     localparam [4:0] WRITTEN = 5'd30;
+    localparam [4:0] DECIDE  = 5'd1;   // what becomes of it, by what it touches
 
     reg [4:0] state;
     reg [6:0]        pause;          // a one for each clock until the state is gone on with
     reg [SLOT_W-1:0] slot;           // whose step it is
-    reg [SLOT_W:0]   other;          // with which it is compared
+    reg [SLOT_W-1:0] this_other;     // with which it is compared
     reg              alone;          // a life ends, not in a step
     reg              over, again;    // its time is over; its box has grown since it was first compared
     reg              back;           // it is a track that was lost
@@ -152,8 +151,10 @@ module motion_step #(
     reg  [N-1:0]     taken;          // has a track, or one that may return; a clock late
     reg              at_left;        // the slot that is worked on has one that may return
     reg  [N-1:0]     others;         // that it may be compared with
-    reg  [N-1:0]     ahead;          // of these, `other` and those behind it
-    wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
+    reg  [N-1:0]     ahead;          // of these, those near that were not compared
+    wire             any_ahead;
+    wire [SLOT_W-1:0] next_ahead;
+    reg              compared;       // it was, with all of them or with its partner
     reg              is_visible;     // the slot whose step it is,
     reg              young;          // and it has less than four corrections
     reg              other_visible;  // the one that it is compared with
@@ -165,6 +166,16 @@ module motion_step #(
     assign this_slot = slot;
     assign load      = reads;
     assign resume    = appear && back;
+
+    array_lowest #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_next (
+        .asked (state == SCAN),
+        .among (ahead),
+        .any   (any_ahead),
+        .lowest(next_ahead)
+    );
 
     // As many ones as clocks until the state is gone on with.
     function [6:0] clocks;
@@ -203,6 +214,7 @@ module motion_step #(
                 op_valid <= 1'b1;
                 op_all   <= 1'b0;
                 reads    <= 1'b1;
+                compared <= 1'b0;
                 widest   <= 1'b0;
                 back     <= 1'b0;
                 since    <= UNTIL;
@@ -255,7 +267,7 @@ module motion_step #(
             WINDOW:
             if (window_done) begin
                 keep_window <= 1'b1;
-                state       <= SCAN;
+                state       <= MEET;
                 if (widest) begin
                     lapse      <= 1'b1;
                     leave      <= 1'b1;
@@ -266,15 +278,14 @@ module motion_step #(
             end
 
             SCAN: begin
-                at <= this_other;
-                if (other == SLOTS[SLOT_W:0]) begin
+                at         <= any_ahead ? next_ahead : this_slot;
+                this_other <= next_ahead;
+                ahead      <= ahead & (ahead - {{(N - 1) {1'b0}}, 1'b1});
+                state      <= any_ahead ? COMPARE : DECIDE;
+                if (!any_ahead) begin
                     c_part <= 1'b1;
-                    at     <= this_slot;
-                    state  <= MEET;
-                end else if (ahead[0]) state <= COMPARE;
-                else begin
-                    other <= other + {{SLOT_W{1'b0}}, 1'b1};
-                    ahead <= ahead >> 1;
+                    since  <= is_visible ? REPORTED : SEEDED;
+                    pause  <= at == this_slot ? 7'd0 : clocks(3'd4);
                 end
             end
             COMPARE: begin
@@ -291,10 +302,6 @@ module motion_step #(
             if (pair_done) begin
                 c_pair <= alike;
                 since  <= SEEDED;
-                if (!alike) begin
-                    other <= other + {{SLOT_W{1'b0}}, 1'b1};
-                    ahead <= ahead >> 1;
-                end
                 pause  <= alike ? clocks(3'd3) : 7'd0;
                 state  <= alike ? YOUNGER : SCAN;
             end
@@ -343,18 +350,23 @@ module motion_step #(
                 state    <= MET;
             end
             MET: begin
-                other <= {1'b0, touched};
+                ahead <= young ? {N{1'b0}} : others & nearby;
                 if (meet_done) begin
-                    c_meet <= is_visible;
-                    if (is_visible) state <= REPORT;
-                    else if (held && !again) state <= LAPSE;
-                    else if (touches) begin
-                        at    <= touched;
-                        state <= TOUCH;
-                    end else begin
-                        pause <= clocks(3'd5);
-                        state <= BORN;
-                    end
+                    compared <= 1'b1;
+                    state    <= compared ? DECIDE : SCAN;
+                end
+            end
+            DECIDE: begin
+                this_other <= touched;
+                c_meet     <= is_visible;
+                if (is_visible) state <= REPORT;
+                else if (held && !again) state <= LAPSE;
+                else if (touches) begin
+                    at    <= touched;
+                    state <= TOUCH;
+                end else begin
+                    pause <= clocks(3'd5);
+                    state <= BORN;
                 end
             end
             TOUCH: begin
@@ -434,10 +446,6 @@ module motion_step #(
 
         // Where they begin: not in a state, so that a reset of a flip-flop need not wait for what decides there.
         if (rests) slot <= work_slot;
-        if (places[0]) begin
-            other <= young ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
-            ahead <= others;
-        end
 
         if (rst) begin
             state    <= REST;

@@ -84,6 +84,7 @@ module motion_work #(
     output wire [4*PX_W-1:0]   ask_for,
     input  wire [N-1:0]        in_box,
     input  wire [N-1:0]        in_window,
+    input  wire [N-1:0]        in_line,
 
     // the search for a gap: see motion_gaps.v
     output wire                look,
@@ -122,6 +123,7 @@ module motion_work #(
     wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, returned, this_slot;
+    wire [N-1:0]      nearby;
     wire [14:0]       speed_x, speed_y;
     wire [1:0]        since;
     wire              c_loads, c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
@@ -218,6 +220,7 @@ module motion_work #(
         .weaker      (weaker),
         .keep_older  (regs[`MOTION_KEEP_OLDER]),
         .meet_done   (meet_done),
+        .nearby      (nearby),
         .held        (held),
         .touches     (touches),
         .appears     (appears),
@@ -615,7 +618,9 @@ module motion_work #(
         .ask_for  (ask_for),
         .in_box   (in_box),
         .in_window(in_window),
+        .in_line  (in_line),
         .done     (meet_done),
+        .nearby   (nearby),
         .meets    (meets_now),
         .hidden   (hidden_now),
         .held     (held),

@@ -304,6 +304,8 @@ class Events:
         self.clock()
         lives = sum(1 << slot.number for slot in living)
         assert [int(self.io.in_box) & lives, int(self.io.in_window) & lives] == answer
+        line = [s.number for s in living if any(gap(a.box, p) <= 0 for a, p in zip(s.axes, place, strict=True))]
+        assert int(self.io.in_line) & lives == sum(1 << number for number in line)
 
 
 def test_random_events_and_operations() -> None:

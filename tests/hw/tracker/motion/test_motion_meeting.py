@@ -61,6 +61,8 @@ def test_random_meetings() -> None:
             for name, kind in (("in_box", "box"), ("in_window", "window")):
                 held = [all(gap(getattr(a, kind), p) <= 0 for a, p in zip(s.axes, place, strict=True)) for s in slots]
                 setattr(io, name, sum(1 << i for i in range(N) if held[i]))
+            line = [any(gap(a.box, p) <= 0 for a, p in zip(s.axes, place, strict=True)) for s in slots]
+            io.in_line = sum(1 << i for i in range(N) if line[i])
         one.hide([slot for slot in others if visible[slot.number]])
         sides = [side for axis in one.axes for side in axis.hidden]
         middle = tuple((axis.box[0] + axis.box[1]) // 2 for axis in one.axes)
@@ -70,6 +72,8 @@ def test_random_meetings() -> None:
             if not (visible | left)[slot.number]
             and all(gap(a.box, b.box) <= 0 for a, b in zip(slot.axes, one.axes, strict=True))
         ]
+        near = [any(gap(a.box, b.box) <= 0 for a, b in zip(slot.axes, one.axes, strict=True)) for slot in slots]
+        assert int(io.nearby) == sum(1 << i for i in range(N) if near[i])
         assert int(io.meets) == one.meets
         assert int(io.hidden) == sum(1 << i for i in range(4) if sides[i])
         assert int(io.held) == any(visible[slot.number] and slot.holds((middle[0], middle[1])) for slot in others)

@@ -140,12 +140,12 @@ def test_the_lives_of_two_slots(stalls: bool) -> None:
     assert (int(io.visible), int(io.candidate)) == (0, 5)
 
     # Both become visible in a step.
-    io.corrections, io.appears = 4, 1
+    io.corrections, io.appears, io.nearby = 4, 1, 7
     for slot in (0, 2):
         said = order.step(slot)
         assert names(said) == [
-            "op_read", "load", "load_support", "reflect", "move", "shorten", "reflect", "place", "keep_window", "op_read",
-            "compare", "part", "ask", "keep_id", "keep_now", "say", "keep", "op_store op_full op_put",
+            "op_read", "load", "load_support", "reflect", "move", "shorten", "reflect", "place", "keep_window", "ask", "op_read",
+            "compare", "part", "keep_id", "keep_now", "say", "keep", "op_store op_full op_put",
         ]  # fmt: skip
         assert [entry for entry in said if entry[0] in ("keep_id", "say")] == [("keep_id", slot), ("say", slot, Kind.BORN)]
     assert order.step(1) == []  # a free slot
@@ -157,14 +157,14 @@ def test_the_lives_of_two_slots(stalls: bool) -> None:
     # The lower one takes the other one in, with a record of each; then its life ends.
     io.corrections, io.alike, io.enough, io.weaker = 4, 1, 1, 0
     said = order.step(0)
-    merge = names(said)[9 : 11 + MERGE]
+    merge = names(said)[11 : 13 + MERGE]
     merge[-4:] = sorted(merge[-4:])  # the record does not wait for the write
     assert merge == [
         "op_read", "compare", "pair", "take", "keep", "op_store op_full", "op_read", "load", "load_support", "take", "hold",
         "say", "settle", "op_read", "unite", "reflect", "cover_both", "settle", "begin_bins", "keep_until", *["clear"] * 16,
         "place", "keep_window", "keep", "keep_now", "op_store op_full op_put", "say",
     ]  # fmt: skip
-    assert names(said)[11 + MERGE :] == ["ask", "take", "meet", "keep", "op_store op_full op_put"]
+    assert names(said)[13 + MERGE :] == ["ask", "take", "meet", "keep", "op_store op_full op_put"]
     assert [entry for entry in said if entry[0] == "say"] == [("say", 2, Kind.MERGED), ("say", 0, Kind.MOVED)]
     assert (int(io.visible), int(io.candidate)) == (1, 0)
     assert names(order.end(0)) == ["op_read", "load", "load_support", "reflect", "keep_now", "say"]

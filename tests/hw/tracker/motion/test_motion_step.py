@@ -38,6 +38,7 @@ class Step:
     held: list[bool]
     overdue: list[bool]
     appears: list[bool]
+    near: Pairs
     alike: Pairs
     weaker: Pairs
     older: Pairs
@@ -88,12 +89,14 @@ class Step:
             return
         self.said += [("c_move", this)] * known + [("c_rub", this)] * (known and not self.meets[this] and self.silent[this])
         self.said += [("c_shorten", this), ("c_reflect", this), ("c_window", this), ("keep_window", this)]
+        self.said.append(("c_ask", this))
         partner = self.partner(this)
         if partner is None:
             self.said.append(("c_part", this))
-        elif self.enough[this, partner] and self.merge(this, partner, by_support=False):
-            return
-        self.said.append(("c_ask", this))
+        else:
+            if self.enough[this, partner] and self.merge(this, partner, by_support=False):
+                return
+            self.said.append(("c_ask", this))
         if self.states[this] == "visible":
             self.said.append(("c_meet", this))
             if self.overdue[this]:
@@ -119,11 +122,11 @@ class Step:
         self.said += [("keep", this), ("op_all", this)]
 
     def partner(self, this: int) -> int | None:
-        """The lowest one that is alike, of those that have four corrections; it is read first."""
+        """The lowest one that is alike, of those near that have four corrections; it is read first."""
         if self.corrections[this] < 4:
             return None
         for other in range(N):
-            if other != this and self.states[other] in ("visible", "candidate") and self.corrections[other] >= 4:
+            if other != this and self.near[this, other] and self.states[other] in ("visible", "candidate") and self.corrections[other] >= 4:
                 self.said += [("op_read", other), ("c_compare", other)]
                 if self.alike[this, other]:
                     self.said.append(("c_pair", other))
@@ -152,7 +155,7 @@ def random_step(rng: np.random.Generator) -> Step:
     )
     return Step(
         states, corrections, flags(0.1), flags(0.5), flags(0.5), flags(0.2), flags(0.5), flags(0.5),
-        pairs(0.4), pairs(0.5), pairs(0.5), pairs(0.5), touched, returned, bool(rng.integers(2)), bool(rng.integers(2)),
+        pairs(0.7), pairs(0.4), pairs(0.5), pairs(0.5), pairs(0.5), touched, returned, bool(rng.integers(2)), bool(rng.integers(2)),
     )  # fmt: skip
 
 
@@ -189,7 +192,6 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
     """Answers what is asked until the step is done."""
     io = control.io
     wait: dict[str, int] = {}
-    asks = 0  # of the same slot
     states, touched = list(step.states), [list(others) for others in step.touched]
     begins = {name: int(io[name]) for name in ("start", "end_life")}
     io.start = io.end_life = 0
@@ -210,11 +212,12 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
         io.alike, io.enough = int(step.alike[this, other]), int(step.enough[this, other])
         io.keep_older, io.may_return = int(step.keep_older), int(step.may_return)
         io.overdue, io.appears = int(step.overdue[this]), int(step.appears[this])
-        io.held = int(step.held[this]) if asks == 1 else noise[3]
+        io.held = int(step.held[this]) if int(io.c_touch) else noise[3]
         candidates = [slot for slot in touched[this] if states[slot] == "candidate"]
         io.touches, io.touched = int(bool(candidates)), candidates[0] if candidates else noise[2]
         gone = [slot for slot in step.returned[this] if states[slot] == "left"]
         io.returns, io.returned = int(bool(gone)), gone[0] if gone else noise[4]
+        io.nearby = sum(1 << i for i in range(N) if step.near[this, i])
         io.pair_done, io.meet_done = int(wait.get("pair") == 1), int(wait.get("meet") == 1)
         io.merged, io.dividing = int(wait.get("merge") == 1), int(wait.get("divide", 0) > 0)
         if int(io.merged):
@@ -229,7 +232,6 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
         for port, name, least, most in TAKE:
             if int(io[port]):
                 wait[name] = int(rng.integers(least, most))
-        asks = 0 if int(io.keep_window) else asks + int(io.c_ask)
         assert int(io.widest) or not int(io.leave)
         assert not int(io.widest) or not int(io.c_ask)
         if int(io.rests):
@@ -246,7 +248,7 @@ def test_random_steps(stalls: bool) -> None:
     control.reset()
     control.stalls = stalls
     seen: dict[str, int] = {}
-    for _ in range(200):
+    for _ in range(700):
         step, alone = random_step(steps), steps.random() < 0.2
         expected = Step(**{**vars(step), "states": list(step.states)})
         slot = int(steps.integers(N))

@@ -114,6 +114,9 @@ class Work:
             held = [getattr(memory, port.removeprefix("in_")) for memory in self.memory]
             share = [all(gap((h[2 * i], h[2 * i + 1]), places[i]) <= 0 for i in (0, 1)) for h in held]
             setattr(io, port, sum(1 << i for i in range(N) if share[i]))
+        boxes = [(memory.box[:2], memory.box[2:]) for memory in self.memory]
+        line = [any(gap((a[0], a[1]), b) <= 0 for a, b in zip(box, places, strict=True)) for box in boxes]
+        io.in_line = sum(1 << i for i in range(N) if line[i])
         self.answers.append(unpacked(int(io.ask_for), PX_W) if int(io.ask) else [0] * 4)
         io.look_done = int(self.look_in == 1)
         self.look_in = max(self.look_in - 1, 0)
