@@ -3,16 +3,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from evcot.hardware.contract import Shape
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.ticks import TickedEvents
 
-__all__ = ["QUICK", "SHAPE", "VARIANTS", "scene"]
+__all__ = ["PLAIN", "QUICK", "SHAPE", "VARIANTS", "scene"]
 
 SHAPE = Shape(n_slots=5, x_w=7, y_w=6, sup_w=9, id_w=3, radix_w=5)
-QUICK = MotionRegisters(
+PLAIN = MotionRegisters(
+    step_log2=10, side_shrink=5, gain_slow=2, gain_fast=0, friction=7, coast_slow=0, nev_high=256, ring_max=24, ring_any=1,
+    elongation=2, detect_ticks=10_000, life_log2=3, life_ticks=20_000, coast_ticks=100_000, return_ticks=0, birth_support=200,
+    birth_px=4, birth_ticks=10_000, birth_travel=1, gap_corrections=16, gap_share=7, gap_px=2, join_steps=10, join_px=2,
+    report_steps=4,
+)  # fmt: skip
+"""Registers whose rules are easy to follow in a story: no returns, no quick turns."""
+QUICK = replace(
+    PLAIN,
     step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
     birth_ticks=100, birth_travel=3, nev_low=4, nev_high=40, side_max=40, seed_px=3, gap_corrections=4, join_steps=3,
     report_steps=2, ring_max=10,

@@ -278,7 +278,7 @@ class TopDevice:
         self.config = config
         self.pace = pace or Pace()
         chosen = {verilog_name: getattr(config.shape, name) for name, verilog_name in PARAMETERS.items()}
-        chosen |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
+        chosen |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES.keys() - {"cell_stamp_w"}}
         trackers, module = register_map().trackers, config.module.removeprefix("cot_")
         if module not in trackers:
             raise ConfigError(f"module = {config.module!r}: must be one of cot_{', cot_'.join(trackers)} for evcot_top")

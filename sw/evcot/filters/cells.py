@@ -17,7 +17,7 @@ from ..ticks import TickedEvents
 from .activity import supporters
 from .base import NEVER, EventFilter, per_pixel
 from .contract import Filter, FilterShape
-from .noise import NoiseLevel, note
+from .noise_level import NoiseLevel, note
 from .registers import FilterRegisters
 
 __all__ = ["CellMemory", "CellsFilter", "cell_of"]

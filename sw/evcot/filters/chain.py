@@ -15,7 +15,7 @@ from .cells import CellsFilter
 from .contract import Filter, FilterShape
 from .decay import DecayFilter
 from .mask import MaskFilter
-from .noise import NoiseLevel
+from .noise_level import NoiseLevel
 from .polarity import PolarityFilter
 from .recent import RecentFilter
 from .refractory import RefractoryFilter

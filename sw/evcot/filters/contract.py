@@ -19,6 +19,8 @@ __all__ = [
     "CLOCK_FRAC",
     "FILTER_REGISTERS",
     "FILTER_SHAPE_RANGES",
+    "LEVEL_FRAC",
+    "LEVEL_MAX",
     "NOISE_SHORTER",
     "NOISE_SUPPORTS",
     "UNITS_PER_HALF_LIFE",
@@ -50,6 +52,10 @@ CELL_PX = (0, *CELL_STAMP_W)
 
 CELL_LOG2 = 3
 """log2 of the side of a cell in which noise is counted, in pixels."""
+
+LEVEL_FRAC = 8
+LEVEL_MAX = 65_535
+"""A level of noise has this many fractional bits, and saturates."""
 
 NOISE_SHORTER = 6
 """The shortest window in which noise is counted is 2^-6 of the longest."""

@@ -1,112 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The noise of a stream, measured in integers while the stream goes on, and the neighbours that an event then needs.
-
-docs/filters.md, "Support that follows the noise", is the contract; `noise_support.v` is the hardware.
-"""
+"""The least levels of noise at which an event needs more neighbours: docs/filters.md, "Support that follows the noise"."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import step
-from .contract import CELL_LOG2, NOISE_SHORTER, NOISE_SUPPORTS, FilterShape
-from .registers import FilterRegisters
+from .contract import CELL_LOG2, LEVEL_FRAC, LEVEL_MAX, NOISE_SUPPORTS
 
-__all__ = ["UNKNOWN_SUPPORT", "NoiseLevel", "note", "thresholds"]
-
-UNKNOWN_SUPPORT = 9  # neighbours, of eight: nothing passes before the noise is known
-
-# A cell's word: the place of an event, whether another pixel had one, too, and the number of the window.
-_PLACE_BITS = 2 * CELL_LOG2
-_SEVERAL = 1 << _PLACE_BITS
-_NUMBER_AT = _PLACE_BITS + 1
-_NUMBERS = 1 << 11
-_SMOOTHED = 4  # log2 of the windows over which the means reach
-_FRAC = 8
-_LEVEL_MAX = 65_535
-
-# State: tick >> log2 of the open window, log2 of how much shorter than the longest it is, its number; its cells with an event,
-# and those with one pixel; windows so far, the means of cells with one pixel and of empty ones, the level, and the support.
-_WINDOW, _SHORTER, _NUMBER, _TOUCHED, _ALONE, _WINDOWS, _MEAN_ALONE, _MEAN_EMPTY, LEVEL, SUPPORT = range(10)
-
-
-class NoiseLevel:
-    """The noise of a stream, and the support that follows it. About 2 ns per event.
-
-    Compiled functions note events with `note`, and pass `words`, `state` and `rule`.
-
-    Attributes:
-        words: (rows, columns) int64, a word for each cell of 8 x 8 pixels that lies wholly on the sensor.
-        state: int64, see above.
-        rule: int64: log2 of the ticks in the longest window, and the thresholds of the support.
-    """
-
-    def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
-        columns, rows = (max(pixels >> CELL_LOG2, 1) for pixels in (shape.width, shape.height))
-        self.words = np.zeros((rows, columns), np.int64)
-        self.state = np.zeros(SUPPORT + 1, np.int64)
-        self.state[_NUMBER], self.state[SUPPORT] = 1, UNKNOWN_SUPPORT
-        least = [getattr(registers, f"noise_{support}") for support in NOISE_SUPPORTS]
-        self.rule = np.array([registers.noise_log2, *least], np.int64)
-
-    @property
-    def level(self) -> int | None:
-        """Events per cell and longest window, in 1/256; None before the end of the first window."""
-        return int(self.state[LEVEL]) if self.state[_WINDOWS] else None
-
-    @property
-    def support(self) -> int:
-        """Neighbours that an event needs now."""
-        return int(self.state[SUPPORT])
-
-
-@step
-def note(words: Any, state: Any, rule: Any, tick: int, x: int, y: int) -> int:
-    """Note an event on the sensor; returns the neighbours that it needs."""
-    if tick >> (rule[0] - state[_SHORTER]) != state[_WINDOW]:
-        _end(words, state, rule, tick)
-    row, column = y >> CELL_LOG2, x >> CELL_LOG2
-    if row < words.shape[0] and column < words.shape[1]:
-        place = (y & 7) << CELL_LOG2 | (x & 7)
-        word = words[row, column]
-        if word >> _NUMBER_AT != state[_NUMBER]:
-            words[row, column] = state[_NUMBER] << _NUMBER_AT | place
-            state[_TOUCHED] += 1
-            state[_ALONE] += 1
-        elif not word & _SEVERAL and word & (_SEVERAL - 1) != place:
-            words[row, column] = word | _SEVERAL
-            state[_ALONE] -= 1
-    return int(state[SUPPORT])
-
-
-@njit(cache=True, nogil=True)
-def _end(words: Any, state: Any, rule: Any, tick: int) -> None:
-    """End the open window, if it had an event, and open that of a tick."""
-    if state[_TOUCHED]:
-        cells, most = words.size, min(NOISE_SHORTER, rule[0])
-        empty, shorter, windows = cells - state[_TOUCHED], state[_SHORTER], state[_WINDOWS]
-        dense = 4 * empty < cells
-        if not dense or shorter == most:
-            state[_MEAN_ALONE] += ((state[_ALONE] << (shorter + _FRAC)) - state[_MEAN_ALONE]) >> windows
-            state[_MEAN_EMPTY] += ((empty << _FRAC) - state[_MEAN_EMPTY]) >> windows
-            state[_WINDOWS] = min(windows + 1, _SMOOTHED)
-            level = _LEVEL_MAX
-            if state[_MEAN_EMPTY] > 0:
-                level = min((state[_MEAN_ALONE] << _FRAC) // state[_MEAN_EMPTY], _LEVEL_MAX)
-            state[LEVEL], state[SUPPORT] = level, 1
-            for least in rule[1:]:
-                state[SUPPORT] += level >= least
-        if dense:
-            state[_SHORTER] = min(shorter + 1, most)
-        elif 4 * state[_TOUCHED] < cells:
-            state[_SHORTER] = max(shorter - 1, 0)
-        state[_TOUCHED] = state[_ALONE] = 0
-        state[_NUMBER] = (state[_NUMBER] + 1) & (_NUMBERS - 1)
-    state[_WINDOW] = tick >> (rule[0] - state[_SHORTER])
+__all__ = ["thresholds"]
 
 
 def thresholds(within_us: float, passing_hz: float, window_us: float) -> list[int]:
@@ -133,6 +35,6 @@ def thresholds(within_us: float, passing_hz: float, window_us: float) -> list[in
 
 def _least(rates_hz: NDArray[np.float64], passes: NDArray[np.bool_], window_us: float) -> int:
     if not passes.any():
-        return _LEVEL_MAX
-    level = rates_hz[np.argmax(passes)] * 1e-6 * window_us * (1 << (_PLACE_BITS + _FRAC))
-    return int(min(max(round(level), 1), _LEVEL_MAX))
+        return LEVEL_MAX
+    level = rates_hz[np.argmax(passes)] * 1e-6 * window_us * (1 << (2 * CELL_LOG2 + LEVEL_FRAC))
+    return int(min(max(round(level), 1), LEVEL_MAX))

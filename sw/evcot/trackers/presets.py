@@ -10,7 +10,6 @@ from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, MotionConfig, SlotConfig, with_module
 from ..hardware.contract import Shape
 from ..hardware.modules import DEFAULT_MODULE, Module
-from ..hardware.motion.contract import MotionRegisters
 from .config import RunConfig
 from .rct.config import RctConfig
 from .rct.presets import PRESETS as RCT_PRESETS
@@ -100,17 +99,9 @@ def _discs() -> RunConfig:
     return RunConfig("discs", CotConfig.uniform(Shape(), slot), RCT_PRESETS["discs"], FilterConfig(refractory_us=500))
 
 
-# Those that differ from the reset values were found by a search over many kinds of scenes (docs/defaults.md).
-_REGISTERS = MotionRegisters(
-    step_log2=12, side_shrink=4, gain_log2=4, gain_slow=0, gain_fast=2, friction=5, coast_slow=2, nev_high=325,
-    ring_max=21, ring_any=2, elongation=3, detect_ticks=7_521, life_log2=2, life_ticks=40_000, coast_ticks=93_951,
-    return_ticks=500_000, birth_support=260, birth_px=2, birth_ticks=12_000, birth_travel=2, gap_corrections=15,
-    gap_share=9, gap_px=3, join_steps=2, join_px=3, report_steps=1,
-)  # fmt: skip
-
 MOTION = RunConfig(
     "motion",
-    MotionConfig(Shape(n_slots=16), _REGISTERS),
+    MotionConfig(Shape(n_slots=16)),
     filters=FilterConfig(refractory_us=1_000, activity_us=40_000, activity_noise_hz=0.03, cell_px=1),
     software="adaptive",
     software_filters=FilterConfig(),

@@ -19,7 +19,7 @@ from support.ticked import ticked
 
 TOP = "filter_cells"
 SIDES = list(CELL_STAMP_W)
-PORTS = ("refractory_ticks", "activity_ticks", "s_support", "stamp_shift")
+PORTS = ("refractory_ticks", "activity_ticks", "stamp_shift")
 
 
 def device_of(width: int, height: int, cell_px: int, tick_w: int = 8, stamp_w: int = 12) -> FilterDevice:
@@ -31,7 +31,7 @@ def choose(device: FilterDevice, *, refractory: int = 0, activity: int | None = 
     """Enable refractory and activity with these times in ticks, or not (0; None)."""
     device.set(
         enable_refractory=int(refractory > 0), refractory_ticks=max(1, refractory), enable_activity=int(activity is not None),
-        activity_ticks=activity or 0, activity_support=support, stamp_shift=shift,
+        activity_ticks=activity or 0, s_support=support, stamp_shift=shift,
     )  # fmt: skip
 
 
@@ -39,7 +39,8 @@ def golden(device: FilterDevice, traffic: FilterTraffic, cell_px: int | None = N
     """What the models keep, with the registers that the hardware has."""
     io, given = device.sim.io, device.model.parameters
     enable = int(io.enable_refractory) << Filter.REFRACTORY | int(io.enable_activity) << Filter.ACTIVITY
-    registers = FilterRegisters(enable=enable, **{name: int(io[name]) for name in PORTS})
+    chosen = {name: int(io[name]) for name in PORTS}
+    registers = FilterRegisters(enable=enable, activity_support=int(io.s_support) or 1, **chosen)
     side = given["CELL_PX"] if cell_px is None else cell_px
     keep = traffic.keep.copy()
     FilterChain(registers, FilterShape(given["WIDTH"], given["HEIGHT"], given["STAMP_W"], cell_px=side)).narrow(traffic, keep)
@@ -61,7 +62,7 @@ def by_the_rule(traffic: FilterTraffic, device: FilterDevice) -> NDArray[np.bool
             continue
         around = [last.get((cell[0] + dx, cell[1] + dy)) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
         supporters = sum(event is not None and unit - event[0] <= window and event[1:] != (x, y) for event in around)
-        keep[i] = not io.enable_activity or supporters >= int(io.activity_support)
+        keep[i] = not io.enable_activity or supporters >= int(io.s_support)
         last[cell] = unit, x, y
     return keep
 

@@ -241,7 +241,7 @@ def test_lints_clean(parameters: dict[str, int]) -> None:
     [
         ("HAS", 0, ALL),
         *((name.upper(), *SHAPE_RANGES[name][:2]) for name in ("x_w", "y_w", "tick_w")),
-        *((name.upper(), low, high) for name, (low, high, _) in FILTER_SHAPE_RANGES.items()),
+        *((name.upper(), low, high) for name, (low, high, _) in FILTER_SHAPE_RANGES.items() if name != "cell_stamp_w"),
     ],
 )
 def test_refuses_parameters_out_of_range(name: str, low: int, high: int, end: int) -> None:

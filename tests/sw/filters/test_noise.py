@@ -15,7 +15,8 @@ from evcot.errors import ConfigError
 from evcot.filters.chain import FilterChain
 from evcot.filters.config import FilterConfig
 from evcot.filters.contract import Filter
-from evcot.filters.noise import UNKNOWN_SUPPORT, NoiseLevel, thresholds
+from evcot.filters.noise import thresholds
+from evcot.filters.noise_level import UNKNOWN_SUPPORT, NoiseLevel
 from evcot.filters.registers import FilterRegisters
 from evcot.ticks import TickedEvents
 from support.ticked import ticked

@@ -96,50 +96,52 @@ MOTION_RULES = (
 class MotionRegisters:
     """The registers of `cot_motion`; meanings and limits in `MOTION_RANGES`.
 
+    The defaults were found by a search over many kinds of scenes (docs/defaults.md); the hardware has them after reset.
+
     Raises:
         ConfigError: a value outside its range, or values that contradict each other.
     """
 
-    step_log2: int = 10
+    step_log2: int = 12
     side_step: int = 1024
     side_share: int = 4
-    side_shrink: int = 5
+    side_shrink: int = 4
     side_max: int = 160
     gain_log2: int = 4
-    gain_slow: int = 2
-    gain_fast: int = 0
+    gain_slow: int = 0
+    gain_fast: int = 2
     settle: int = 8
     speed_max: int = 32767
-    friction: int = 7
-    coast_slow: int = 0
+    friction: int = 5
+    coast_slow: int = 2
     nev_low: int = 8
-    nev_high: int = 256
+    nev_high: int = 325
     seed_px: int = 4
     ring_px: int = 2
-    ring_max: int = 24
+    ring_max: int = 21
     ring_across: int = 1
     ring_along: int = 1
-    ring_any: int = 1
-    elongation: int = 2
-    detect_ticks: int = 10_000
-    life_log2: int = 3
-    life_ticks: int = 20_000
-    coast_ticks: int = 100_000
-    return_ticks: int = 0
-    birth_support: int = 200
-    birth_px: int = 4
-    birth_ticks: int = 10_000
-    birth_travel: int = 1
-    gap_corrections: int = 16
-    gap_share: int = 7
-    gap_px: int = 2
-    join_steps: int = 10
+    ring_any: int = 2
+    elongation: int = 3
+    detect_ticks: int = 7_521
+    life_log2: int = 2
+    life_ticks: int = 40_000
+    coast_ticks: int = 93_951
+    return_ticks: int = 500_000
+    birth_support: int = 260
+    birth_px: int = 2
+    birth_ticks: int = 12_000
+    birth_travel: int = 2
+    gap_corrections: int = 15
+    gap_share: int = 9
+    gap_px: int = 3
+    join_steps: int = 2
     join_life: int = 3
     join_speed: int = 1
     join_reach: int = 0
-    join_px: int = 2
+    join_px: int = 3
     keep_older: int = 0
-    report_steps: int = 4
+    report_steps: int = 1
 
     def __post_init__(self) -> None:
         for field in fields(self):

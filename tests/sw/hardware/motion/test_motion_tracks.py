@@ -20,8 +20,9 @@ from evcot.hardware.motion.contract import MotionRegisters
 from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
+from support.moving import PLAIN
 
-DEFAULT = MotionRegisters()
+DEFAULT = PLAIN
 PX = 4096.0
 
 Pair = tuple[float, float]
