@@ -103,8 +103,7 @@ def test_an_interrupt_ends_it_cleanly(source: Path, which: signal.Signals) -> No
         live.send_signal(which)
         out, err = live.communicate(timeout=30)
     assert live.returncode == 0
-    assert err.startswith("auto: 346x260, ")
-    assert err.count("\n") == 1
+    assert err == ""
     summary = lines(out)[-1]
     assert summary["kind"] == "summary"
     assert len(read_recording("a.raw").events) == len(TrackLog.load_npz("a.npz").owner) == summary["saved"]
@@ -263,7 +262,7 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
         ("{source} --bind 127.0.0.1", "--bind 127.0.0.1: must be given with --web"),
         ("{source} --loop --save again.raw", "--save: must not be given with --loop"),
         ("tcp://127.0.0.1:9 --loop", "--loop: must not be given with tcp://127.0.0.1:9"),
-        ("{source} --preset none", "--preset none: must be one of auto"),
+        ("{source} --preset none", "--preset none: must be one of motion"),
         ("{source} --from 9999", "holds no events from 9.999 s"),
         ("none.aedat4", "none.aedat4: cannot be read: No such file"),
         ("tcp://here", "tcp://here: must be tcp://HOST:PORT"),

@@ -20,7 +20,7 @@ from evcot_cosim.live.session import Session
 SENSOR = (64, 48)
 HELLO = {
     "name": "a drive", "engine": "rct", "preset": "plain", "width": SENSOR[0], "height": SENSOR[1], "speed": 1.0,
-    "engines": {"rct": ["plain", "discs"], "adaptive": ["auto"], "cot_motion": ["auto"]},
+    "engines": {"rct": ["plain", "discs"], "adaptive": ["auto"], "cot_motion": ["motion"]},
     "lanes": ["rct"], "kinds": ["software"], "seekable": False,
 }  # fmt: skip
 
