@@ -162,6 +162,7 @@ module axi_lite_regs #(
     reg       turns;  // a bank has been copied: an access comes before the next
 
     wire              request_valid, request_write;
+    wire              slverr;  // answer a fault with SLVERR
     wire [WORD_W-1:0] word;
     wire [31:0]       data;
     wire [3:0]        strb;
@@ -400,7 +401,7 @@ module axi_lite_regs #(
             MERGE: begin
                 result <= !known ? 32'd0 : (shadowed || commits) ? in_shadow : words_value;
                 merged <= (data & lanes) | ((shadowed ? in_shadow : words_kept) & ~lanes);
-                error  <= !known;
+                error  <= !known && slverr;
                 state  <= !request_write ? ANSWER : (commits && in_motion) ? RULES : WEIGH;
             end
             RULES:
@@ -413,7 +414,7 @@ module axi_lite_regs #(
             end
             WEIGH: state <= CHECK;
             CHECK: begin
-                error <= faulty;
+                error <= faulty && slverr;
                 if (acts && commits && !locked && !contradicts) pending[bank] <= 1'b1;
                 if (stores && in_slot && place == `EVCOT_REG_MODE) mode_new[word[REG_W+:SLOT_W]] <= 1'b1;
                 if (acts && marks && !locked && !off_sensor) begin
@@ -556,6 +557,7 @@ module axi_lite_regs #(
         .memory_fifo_depth   (DEPTH[15:0]),
         .control_enable      (enable),
         .control_drop        (drop),
+        .control_slverr      (slverr),
         .control_latch       (latch),
         .control_soft_reset  (soft_reset),
         .source_select       (source_select),

@@ -76,6 +76,7 @@ module axi_lite_words #(
     // 020: control
     output reg         control_enable,
     output reg         control_drop,
+    output reg         control_slverr,
     output reg         control_latch,
     output reg         control_soft_reset,
 
@@ -355,6 +356,8 @@ module axi_lite_words #(
         stays[0:0] = stays[0:0] | ({1{at_control}} & control_enable);
         held[1:1] = held[1:1] | ({1{at_control}} & control_drop);
         stays[1:1] = stays[1:1] | ({1{at_control}} & control_drop);
+        held[2:2] = held[2:2] | ({1{at_control}} & control_slverr);
+        stays[2:2] = stays[2:2] | ({1{at_control}} & control_slverr);
         held[2:0] = held[2:0] | ({3{at_source}} & source_select);
         stays[2:0] = stays[2:0] | ({3{at_source}} & source_select);
         held[8:8] = held[8:8] | ({1{at_source}} & source_clock_time);
@@ -481,6 +484,7 @@ module axi_lite_words #(
             if (at_control) begin
                 control_enable <= data[0:0];
                 control_drop <= data[1:1];
+                control_slverr <= data[2:2];
                 control_latch <= data[8:8];
                 control_soft_reset <= data[9:9];
             end
@@ -529,6 +533,7 @@ module axi_lite_words #(
         if (rst) begin
             control_enable <= 1'd0;
             control_drop <= 1'd0;
+            control_slverr <= 1'd0;
             control_latch <= 1'd0;
             control_soft_reset <= 1'd0;
             source_select <= SOURCE[2:0];
