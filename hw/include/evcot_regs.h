@@ -65,6 +65,8 @@
 #define EVCOT_BUILD_FILTERS_MASK 0x000000FFu /* ro: a bit for each filter, in their order */
 #define EVCOT_BUILD_SOURCES_SHIFT 8u
 #define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
+#define EVCOT_BUILD_TICKS_SHIFT 14u
+#define EVCOT_BUILD_TICKS_MASK 0x0000C000u /* ro: what a tick may be, besides 1 us of the events' time: 1 `tick_us`, 2 `prescale`, 3 both */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
 #define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 cot_array, 1 cot_chain, 2 cot_motion: the parameter TRACKER */
 #define EVCOT_BUILD_CELL_PX_SHIFT 24u

@@ -64,6 +64,7 @@ class _Build(Group):
     __slots__ = ()
     filters = Bits("build", "filters")
     sources = Bits("build", "sources")
+    ticks = Bits("build", "ticks")
     tracker = Bits("build", "tracker")
     cell_px = Bits("build", "cell_px")
 

@@ -101,17 +101,29 @@ class Field:
 
 @dataclass(frozen=True)
 class Word:
-    """One 32-bit word of the map, outside the banks."""
+    """One 32-bit word of the map, outside the banks.
+
+    Attributes:
+        built: Verilog condition under which the word exists; empty if it always does.
+        where: the same in words.
+    """
 
     name: str
     address: int
     meaning: str
     fields: tuple[Field, ...]
+    built: str = ""
+    where: str = ""
 
     @property
     def writable(self) -> bool:
         """Whether a write has any effect."""
         return any(field.access is not Access.RO for field in self.fields)
+
+    @property
+    def constant(self) -> bool:
+        """Whether the word depends on parameters only."""
+        return self.address < 0x20
 
     @property
     def kept(self) -> int:

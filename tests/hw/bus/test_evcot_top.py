@@ -604,7 +604,7 @@ def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:
     print(found)
     own = re.search(r"a record after (\d+)", rtl_files()["cot_array.v"].read_text())
     assert own is not None
-    assert found == {"array behind filters": 17 + 52 + int(own[1]), "array": 17 + 2 + int(own[1]), "chain": 17 + 7}
+    assert found == {"array behind filters": 13 + 52 + int(own[1]), "array": 12 + 2 + int(own[1]), "chain": 12 + 7}
 
 
 def test_refuses_a_source_that_was_not_built() -> None:
