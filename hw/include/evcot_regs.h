@@ -14,7 +14,7 @@
 #define EVCOT_PUT(value, field) (((uint32_t)(value) << field##_SHIFT) & field##_MASK)
 
 #define EVCOT_ID_VALUE 0x45564354u
-#define EVCOT_VERSION_MAJOR_VALUE 2u
+#define EVCOT_VERSION_MAJOR_VALUE 3u
 
 /* the letters EVCT */
 #define EVCOT_ID 0x000u
@@ -65,6 +65,8 @@
 #define EVCOT_BUILD_FILTERS_MASK 0x000000FFu /* ro: a bit for each filter, in their order */
 #define EVCOT_BUILD_SOURCES_SHIFT 8u
 #define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
+#define EVCOT_BUILD_TICKS_SHIFT 14u
+#define EVCOT_BUILD_TICKS_MASK 0x0000C000u /* ro: what a tick may be, besides 1 us of the events' time: 1 `tick_us`, 2 `prescale`, 3 both */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
 #define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 cot_array, 1 cot_chain, 2 cot_motion: the parameter TRACKER */
 #define EVCOT_BUILD_CELL_PX_SHIFT 24u
@@ -92,6 +94,8 @@
 #define EVCOT_CONTROL_ENABLE_MASK 0x00000001u /* rw: 1: pass tokens to filters and trackers; 0: they wait in the input FIFO */
 #define EVCOT_CONTROL_DROP_SHIFT 1u
 #define EVCOT_CONTROL_DROP_MASK 0x00000002u /* rw: 1: a full input FIFO drops events and keeps their time; 0: it stalls the source */
+#define EVCOT_CONTROL_SLVERR_SHIFT 2u
+#define EVCOT_CONTROL_SLVERR_MASK 0x00000004u /* rw: 1: an access that `fault` records is answered with SLVERR; 0: with OKAY */
 #define EVCOT_CONTROL_LATCH_SHIFT 8u
 #define EVCOT_CONTROL_LATCH_MASK 0x00000100u /* pulse: copy all counters in one clock to the registers in which they are read */
 #define EVCOT_CONTROL_SOFT_RESET_SHIFT 9u

@@ -8,15 +8,18 @@ import importlib.util
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from evcot.hardware.contract import Mode
-from evcot.hardware.registers import register_map
+from evcot.hardware.registers import Transport, register_map
 from evcot_cosim.devices.base import reset
+from evcot_cosim.devices.top_device import slot_address
 from evcot_cosim.pages.interfaces import DIAGRAMS
 from evcot_cosim.pages.modules import page
 from evcot_cosim.pages.stimulus import play
@@ -24,6 +27,7 @@ from evcot_cosim.pages.trace import Trace, wave
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files, search_flags
 from evcot_cosim.rtl.toolchain import find_toolchain
+from support.top import device_of
 
 ROOT = Path(__file__).parents[2]
 DOCS, EXAMPLES = ROOT / "docs", ROOT / "hw" / "fpga" / "examples"
@@ -94,61 +98,88 @@ def test_the_examples_are_clean(top: str, parameters: dict[str, int]) -> None:
         assert subprocess.run(command, capture_output=True, text=True).stderr == ""
 
 
-class Memory:
-    """All addresses, which answer as an evcot_top of two slots which is never busy."""
+@pytest.fixture(scope="module")
+def configure_in_c(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Transport], int]:
+    """configure.c, with its accesses passed to a transport."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    library = tmp_path_factory.mktemp("c") / "configure.so"
+    access = ["-DEVCOT_READ(regs,address)=bus_read(address)", "-DEVCOT_WRITE(regs,address,value)=bus_write(address,value)"]
+    bus = library.with_name("bus.h")
+    bus.write_text("#include <stdint.h>\nuint32_t (*bus_read)(uint32_t);\nvoid (*bus_write)(uint32_t, uint32_t);\n")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-pedantic", "-shared", "-fPIC"]
+    headers = [f"-I{ROOT / 'hw' / 'include'}", "-include", str(bus)]
+    subprocess.run([compiler, *flags, *headers, *access, "-o", library, EXAMPLES / "configure.c"], check=True)
+    loaded = ctypes.CDLL(str(library))
+    loaded.evcot_configure.restype = ctypes.c_uint32
+    readers, writers = (
+        ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_uint32),
+        ctypes.CFUNCTYPE(None, ctypes.c_uint32, ctypes.c_uint32),
+    )
 
-    def __init__(self) -> None:
-        self.words = np.zeros(WORDS, np.uint32)
-        words = {word.name: word for word in register_map().words}
-        self.words[words["id"].address // 4] = int.from_bytes(b"EVCT", "big")
-        self.words[words["version"].address // 4] = register_map().version[0] << 16
-        shape = {"n_slots": 2, "frac": 4, "x_w": 11, "y_w": 10, "tick_w": 20, "radix_w": 8, "nev_w": 10, "tc_w": 24,
-                 "sup_w": 16, "id_w": 32, "seq_w": 48, "time_w": 48, "last_x": 1279, "last_y": 719, "stamp_w": 20}  # fmt: skip
-        for word in words.values():
-            for field in word.fields:
-                if field.name in shape and word.address < 0x20:
-                    self.words[word.address // 4] |= shape[field.name] << field.lsb
+    def configure(transport: Transport) -> int:
+        callbacks = readers(transport.read), writers(transport.write)
+        for name, callback in zip(("bus_read", "bus_write"), callbacks, strict=True):
+            ctypes.c_void_p.in_dll(loaded, name).value = ctypes.cast(callback, ctypes.c_void_p).value
+        return int(loaded.evcot_configure(None))
+
+    return configure
+
+
+def example_in_python() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
+    assert spec is not None
+    assert spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    return example
+
+
+class Nobody:
+    """All addresses read 0."""
 
     def read(self, address: int) -> int:
-        return int(self.words[address // 4])
+        return 0 * address
 
     def write(self, address: int, value: int) -> None:
-        self.words[address // 4] = value
+        pass
 
 
-def test_c_and_python_write_the_same_registers(tmp_path: Path) -> None:
+def test_configure_in_c_is_strict_c99_without_an_access_of_its_own(tmp_path: Path) -> None:
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler")
     library = tmp_path / "configure.so"
     flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-shared", "-fPIC", f"-I{ROOT / 'hw' / 'include'}"]
     subprocess.run([compiler, *flags, "-o", library, EXAMPLES / "configure.c"], check=True)
+    nobody = np.zeros(WORDS, np.uint32)
     function = ctypes.CDLL(str(library)).evcot_configure
     function.restype = ctypes.c_uint32
-    c, python = Memory(), Memory()
-    assert function(ctypes.c_void_p(c.words.ctypes.data), 2) == 0
-    assert function(ctypes.c_void_p(np.zeros(WORDS, np.uint32).ctypes.data), 2) == 0xFFFFFFFF  # nobody there
+    assert function(ctypes.c_void_p(nobody.ctypes.data)) == 0xFFFF_FFFF
 
-    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
-    assert spec is not None
-    assert spec.loader is not None
-    example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
-    example.configure(python)
 
+@pytest.mark.parametrize("build", ["array", "motion"])
+def test_c_and_python_set_up_the_simulated_hardware_alike(build: str, configure_in_c: Callable[[Transport], int]) -> None:
+    c, python = device_of(build), device_of(build)
+    assert configure_in_c(Nobody()) == 0xFFFF_FFFF
+    assert configure_in_c(c) == 0
+    registers = example_in_python().configure(python)
     bank = register_map().banks["slot"]
-    commit = bank.base // 4 + bank.commit
-    assert c.words[bank.base // 4] == Mode.SEEDED
-    assert c.words[commit] == 1
-    assert np.array_equal(c.words, python.words), np.flatnonzero(c.words != python.words) * 4
+    places = [0x20, 0x44, *(bank.base + 4 * bank.words * i + 4 * k for i in range(registers.shape.n_slots) for k in range(16))]
+    assert [c.read(place) for place in places] == [python.read(place) for place in places]
+    assert registers.control.enable == registers.status.open == 1
+    assert all(slot.mode == Mode.SEEDED for slot in registers.slot)
+
+
+def test_configure_in_c_reports_a_value_that_does_not_fit(configure_in_c: Callable[[Transport], int]) -> None:
+    device = device_of("array behind filters")  # of 12 bits for 5,000 ticks
+    assert configure_in_c(device) == slot_address(3, "detect_ticks") << 16 | 1
+    assert device.read(0x20) == 0
 
 
 def test_python_reaches_mapped_memory(tmp_path: Path) -> None:
-    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
-    assert spec is not None
-    assert spec.loader is not None
-    example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
+    example = example_in_python()
     device = tmp_path / "uio0"
     device.write_bytes(bytes(1 << register_map().address_w))
     registers = example.Uio(device)

@@ -8,11 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.ticks import TickedEvents
-
 from .stream_device import Bundle
 
-__all__ = ["TOKENS_IN", "TOKENS_OUT", "TokenEvents", "decode_tokens", "make_tokens"]
+__all__ = ["TOKENS_IN", "TOKENS_OUT", "TokenEvents", "decode_tokens"]
 
 _FIELDS = ("tick", "event", "skip", "x", "y", "p")
 TOKENS_IN = Bundle("s_", _FIELDS)
@@ -38,19 +36,3 @@ def decode_tokens(tokens: NDArray[np.uint64]) -> TokenEvents:
     now = np.cumsum(tokens[:, 0].astype(np.int64))
     is_event = (tokens[:, 1] | tokens[:, 2]) == 1
     return TokenEvents(now[is_event], tokens[is_event, 1:], int(now[-1]) if len(now) else 0)
-
-
-def make_tokens(events: TickedEvents, tick_w: int) -> NDArray[np.uint64]:
-    """Events as tokens of `tick_w` bits, (m, 6): ticks that do not fit go ahead in full tokens.
-
-    A tick-only token carries the fields of the event that follows it.
-    """
-    most = (1 << tick_w) - 1
-    wait = np.diff(events.ticks, prepend=0)
-    ahead = np.maximum(wait - 1, 0) // most
-    index = np.repeat(np.arange(len(events)), ahead + 1)
-    is_event = np.zeros(len(index), np.int64)
-    is_event[np.cumsum(ahead + 1) - 1] = 1
-    tick = np.where(is_event == 1, (wait - ahead * most)[index], most)
-    columns = (tick, is_event, np.zeros_like(tick), events.x[index], events.y[index], events.p[index])
-    return np.stack([column.astype(np.uint64) for column in columns], axis=1)

@@ -1,31 +1,45 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Settings of kv260_evcot.v from C: `regs` is where its 16 KiB of registers are mapped, say /dev/uio0 with mmap. */
+/* Sets up evcot_top from C. `regs`: where its 16 KiB of registers are mapped, for example /dev/uio0 with mmap. */
 #include "evcot_regs.h"
 
 #include <stddef.h>
 
-#define REG(regs, address) ((regs)[(address) / 4u])
+#ifndef EVCOT_READ /* define both for another way to the registers */
+#define EVCOT_READ(regs, address) ((regs)[(address) / 4u])
+#define EVCOT_WRITE(regs, address, value) ((regs)[(address) / 4u] = (value))
+#endif
 
-/* One seeded tracker in each of `slots` slots, the same for all; 0 when all is well, else the word `fault`. */
-uint32_t evcot_configure(volatile uint32_t *regs, unsigned slots) {
+/* One seeded tracker in each slot; cot_motion has no other registers in a slot.
+ * Returns 0, the word `fault` if the hardware clamped or refused a value, or UINT32_MAX if no evcot_top
+ * of this version of the registers answers. */
+uint32_t evcot_configure(volatile uint32_t *regs) {
     static const struct {
         uint32_t reg, value;
     } setting[] = {
+        {EVCOT_SLOT_MODE, 2}, /* seeded; the others are not in cot_motion */
         {EVCOT_SLOT_INIT_RADIX, 12}, {EVCOT_SLOT_RADIX_TH, 4},   {EVCOT_SLOT_RADIX_STEP, 1},
         {EVCOT_SLOT_RADIX_MIN, 6},   {EVCOT_SLOT_RADIX_MAX, 40}, {EVCOT_SLOT_HIST_AVG, 3},
         {EVCOT_SLOT_MAX_TICKS, 50000}, {EVCOT_SLOT_CLUST_NEV, 32}, {EVCOT_SLOT_NEV_MIN, 8},
         {EVCOT_SLOT_NEV_MAX, 64},    {EVCOT_SLOT_NEV_TH, 2000},  {EVCOT_SLOT_DETECT_TICKS, 5000},
-        {EVCOT_SLOT_MODE, 2}, /* seeded */
     };
-    if (REG(regs, EVCOT_ID) != EVCOT_ID_VALUE)
+    if (EVCOT_READ(regs, EVCOT_ID) != EVCOT_ID_VALUE ||
+        EVCOT_GET(EVCOT_READ(regs, EVCOT_VERSION), EVCOT_VERSION_MAJOR) != EVCOT_VERSION_MAJOR_VALUE)
         return UINT32_MAX;
-    for (unsigned i = 0; i < slots; i++) {
-        for (size_t k = 0; k < sizeof setting / sizeof *setting; k++)
-            REG(regs, EVCOT_SLOT(i, setting[k].reg)) = setting[k].value;
-        REG(regs, EVCOT_SLOT(i, EVCOT_SLOT_COMMIT)) = 1;
+    const uint32_t slots = EVCOT_GET(EVCOT_READ(regs, EVCOT_SHAPE0), EVCOT_SHAPE0_N_SLOTS);
+    const uint32_t tracker = EVCOT_GET(EVCOT_READ(regs, EVCOT_BUILD), EVCOT_BUILD_TRACKER);
+    const size_t settings = tracker == EVCOT_TRACKER_MOTION ? 1 : sizeof setting / sizeof *setting;
+
+    EVCOT_WRITE(regs, EVCOT_FAULT, EVCOT_READ(regs, EVCOT_FAULT)); /* forget earlier faults */
+    for (uint32_t i = 0; i < slots; i++) {
+        for (size_t k = 0; k < settings; k++)
+            EVCOT_WRITE(regs, EVCOT_SLOT(i, setting[k].reg), setting[k].value);
+        EVCOT_WRITE(regs, EVCOT_SLOT(i, EVCOT_SLOT_COMMIT), 1);
     }
-    while (REG(regs, EVCOT_STATUS) & EVCOT_STATUS_PENDING_MASK)
+    while (EVCOT_READ(regs, EVCOT_STATUS) & EVCOT_STATUS_PENDING_MASK)
         ;
-    REG(regs, EVCOT_CONTROL) = EVCOT_PUT(1, EVCOT_CONTROL_ENABLE);
-    return REG(regs, EVCOT_FAULT);
+    const uint32_t fault = EVCOT_READ(regs, EVCOT_FAULT);
+    if (fault & 0xf)
+        return fault;
+    EVCOT_WRITE(regs, EVCOT_CONTROL, EVCOT_PUT(1, EVCOT_CONTROL_ENABLE));
+    return 0;
 }

@@ -26,12 +26,18 @@ class Uio:
 
 
 def configure(transport: Transport) -> Registers:
-    """One seeded tracker in each slot, the same for all."""
-    regs = Registers(transport)  # raises ConfigError where no evcot_top answers
+    """One seeded tracker in each slot; cot_motion has no other registers in a slot.
+
+    Raises:
+        ConfigError: no evcot_top answers. BusError, a subclass: the hardware clamped or refused a value.
+    """
+    regs = Registers(transport)
     for slot in regs.slot:
-        slot.init_radix, slot.radix_th, slot.radix_step, slot.radix_min, slot.radix_max = 12, 4, 1, 6, 40
-        slot.hist_avg, slot.max_ticks, slot.clust_nev, slot.nev_min, slot.nev_max = 3, 50_000, 32, 8, 64
-        slot.nev_th, slot.detect_ticks, slot.mode = 2000, 5000, Mode.SEEDED
+        slot.mode = Mode.SEEDED
+        if register_map().trackers[regs.build.tracker] != "motion":
+            slot.init_radix, slot.radix_th, slot.radix_step, slot.radix_min, slot.radix_max = 12, 4, 1, 6, 40
+            slot.hist_avg, slot.max_ticks, slot.clust_nev, slot.nev_min, slot.nev_max = 3, 50_000, 32, 8, 64
+            slot.nev_th, slot.detect_ticks = 2000, 5000
         slot.commit()
     while regs.status.pending:
         pass

@@ -10,9 +10,9 @@
 // contradict each other are compared when their bank is to be committed, and the commit is refused if they do.
 //
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 3 more if a bank
-//             is being copied, EVCOT_BANK_LAST + 4 for the first access to a bank after reset, while its part of the shadow is
-//             filled, and 8 for a commit of motion, which compares registers: 64 at most. A write of `mask` is refused until
-//             the filters are cleared after a reset, since it would be lost.
+//             is being copied, and 8 for a commit of motion, which compares registers: 64 at most. In the 32 clocks for each bank
+//             after reset, in which the shadow is filled, accesses wait. A write of `mask` is refused until the filters are
+//             cleared after a reset, since it would be lost.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
 //             and marks every mode as written.
 // Throughput: one access at a time, a read or a write.
@@ -38,6 +38,7 @@ module axi_lite_regs #(
     parameter HAS          = 255,  // filters that are built
     parameter SOURCES      = 1,    // sources that are built, a bit each: EVCOT_SOURCE_*
     parameter SOURCE       = 0,    // the one selected after reset
+    parameter TICKS        = 3,    // what a tick may be: see event_sources.v
     parameter TRACKER      = 0,    // EVCOT_TRACKER_*
     parameter WIDTH        = 346,  // pixels of the sensor across
     parameter HEIGHT       = 260,  // pixels of the sensor down
@@ -147,7 +148,7 @@ module axi_lite_regs #(
 
     // ---- the bus -----------------------------------------------------------------------------------------------------
 
-    localparam [3:0] FILL   = 4'd0;  // the first access to a bank after reset: giving its shadow the first values
+    localparam [3:0] FILL   = 4'd0;  // after reset: giving the shadow its first values
     localparam [3:0] IDLE   = 4'd1;  // waiting for an access, or for a bank to copy
     localparam [3:0] FETCH  = 4'd2;  // reading the shadow
     localparam [3:0] LOOK   = 4'd3;  // taking what was read out of the shadow
@@ -162,6 +163,7 @@ module axi_lite_regs #(
     reg       turns;  // a bank has been copied: an access comes before the next
 
     wire              request_valid, request_write;
+    wire              slverr;  // answer a fault with SLVERR
     wire [WORD_W-1:0] word;
     wire [31:0]       data;
     wire [3:0]        strb;
@@ -251,7 +253,9 @@ module axi_lite_regs #(
     wire [31:0] in_shadow;
 
     wire        words_known, words_writable, words_clamped, words_refused;
-    wire [31:0] words_value, words_kept;
+    wire        words_keeps;
+    wire [31:0] words_value;
+    wire [31:0] stored = (shadowed || commits) ? in_shadow : words_value;
 
     wire known    = words_known || in_bank;
     wire writable = words_writable || in_bank;
@@ -269,7 +273,7 @@ module axi_lite_regs #(
         high    <= in_filter ? filter_high(place) : in_motion ? motion_high(motion_place) : slot_high(place);
         refuses <= in_filter ? filter_refuses(place) : in_motion ? motion_refuses(motion_place) : slot_refuses(place);
         over    <= merged > high;
-        under   <= merged < low;
+        under   <= merged[31:LOW_W] == {(32 - LOW_W) {1'b0}} && merged[LOW_W-1:0] < low[LOW_W-1:0];
         fixed   <= MOTION != 0 && in_slot && !at_commit && merged == {30'd0, `EVCOT_MODE_FIXED};
 
         off_sensor <= marks && (merged[15:0] > LAST_X[15:0] || {1'b0, merged[30:16]} > LAST_Y[15:0]);
@@ -288,20 +292,23 @@ module axi_lite_regs #(
 
     // Data read in the clock in which the same word is written is not used. The word of a bank's commit holds the number of
     // the first event after it.
-    reg [REG_W:0]    fill;           // the word that is written in FILL: the last, then 0 and on, and a clock to settle
-    reg [BANKS-1:0]  filled;         // by bank
+    reg [BANK_W+REG_W-1:0] fill;     // the word that is written in FILL
     reg [BANK_W-1:0] copied;         // the bank in COPY
     reg [REG_W-1:0]  step;           // the word that is read in COPY: 1 to the last register, then 0
     reg              late, later;    // the word before it has been read, and the one before that has come out
     reg [REG_W-1:0]  late_word, later_word;
 
-    localparam [REG_W:0] FILLED = {1'b0, `EVCOT_BANK_LAST} + 1'b1;  // words between the registers and the commit are never read
+    localparam [31:0] LAST_FILL = (BANKS << REG_W) - 1;
 
-    wire fills  = state == FILL && fill != FILLED;
+    wire fills  = state == FILL;
     wire last   = step == `EVCOT_BANK_LAST;
     wire stamps = state == COPY && last;
-    wire [31:0] first = in_filter ? filter_low(fill[REG_W-1:0])
-                      : in_motion ? motion_start({is_tracks, fill[REG_W-1:0]}) : slot_low(fill[REG_W-1:0]);
+    wire [BANK_W-1:0] fill_bank = fill[REG_W +: BANK_W];
+    wire [REG_W-1:0]  fill_word = fill[REG_W-1:0];
+    wire fills_lives  = MOTION != 0 && fill_bank == LIVES;
+    wire fills_motion = fills_lives || (MOTION != 0 && fill_bank == BOXES);
+    wire [31:0] first = (fill_bank == FILTERS) ? filter_low(fill_word)
+                      : fills_motion ? motion_start({fills_lives, fill_word}) : slot_low(fill_word);
 
     // A commit of motion reads the registers that it compares: of each pair first the one that must not be more.
     reg  [3:0]               compares;  // the one that is read
@@ -317,7 +324,7 @@ module axi_lite_regs #(
 
     always @(posedge clk) begin
         shadow_write <= fills || stamps || stores;
-        shadow_to    <= fills ? {bank, fill[REG_W-1:0]} : stamps ? {copied, `EVCOT_BANK_COMMIT} : {bank, place};
+        shadow_to    <= fills ? fill : stamps ? {copied, `EVCOT_BANK_COMMIT} : {bank, place};
         shadow_in    <= fills ? first : stamps ? seq[31:0] : legal;
     end
 
@@ -352,10 +359,8 @@ module axi_lite_regs #(
     wire [`EVCOT_MREG_W-1:0] copied_to = {copies_lives, later_word};
     reg  ends;   // mode has come out, the last word of a bank
     wire copied_all = state == COPY && ends;
-    reg  alone;  // no other bank is pending; known long before the last word has been copied
-    wire committed  = copied_all && alone;
-
-    always @(posedge clk) alone <= pending == ({{(BANKS - 1) {1'b0}}, 1'b1} << copied);
+    reg  was_busy;
+    wire committed  = was_busy && !busy;  // of banks that are copied one after the other, the last one
 
     reg  [47:0] commit_seq;
     reg  [31:0] commit_count;
@@ -373,10 +378,7 @@ module axi_lite_regs #(
         case (state)
             FILL: begin
                 fill <= fill + 1'b1;
-                if (!fills) begin
-                    filled[bank] <= 1'b1;
-                    state        <= FETCH;
-                end
+                if (fill == LAST_FILL[BANK_W+REG_W-1:0]) state <= IDLE;
             end
             IDLE: begin
                 copied <= next_bank;
@@ -391,16 +393,15 @@ module axi_lite_regs #(
                 end
             end
             FETCH: begin
-                fill        <= {(REG_W + 1) {1'b1}};
                 compares    <= 4'd0;
                 contradicts <= 1'b0;
-                state       <= (in_bank && !filled[bank]) ? FILL : LOOK;
+                state       <= LOOK;
             end
             LOOK:  state <= MERGE;
             MERGE: begin
-                result <= !known ? 32'd0 : (shadowed || commits) ? in_shadow : words_value;
-                merged <= (data & lanes) | ((shadowed ? in_shadow : words_kept) & ~lanes);
-                error  <= !known;
+                result <= stored & {32{known}};
+                merged <= (data & lanes) | (stored & ~lanes & {32{shadowed || words_keeps}});
+                error  <= !known && slverr;
                 state  <= !request_write ? ANSWER : (commits && in_motion) ? RULES : WEIGH;
             end
             RULES:
@@ -413,7 +414,7 @@ module axi_lite_regs #(
             end
             WEIGH: state <= CHECK;
             CHECK: begin
-                error <= faulty;
+                error <= faulty && slverr;
                 if (acts && commits && !locked && !contradicts) pending[bank] <= 1'b1;
                 if (stores && in_slot && place == `EVCOT_REG_MODE) mode_new[word[REG_W+:SLOT_W]] <= 1'b1;
                 if (acts && marks && !locked && !off_sensor) begin
@@ -446,12 +447,15 @@ module axi_lite_regs #(
                     turns      <= 1'b1;
                     state      <= IDLE;
                 end
-                if (committed) commit_count <= commit_count + 1'b1;
             end
             default: state <= IDLE;
         endcase
 
+        was_busy <= busy;
+        if (committed) commit_count <= commit_count + 1'b1;
+
         if (core_rst) begin
+            was_busy         <= 1'b0;
             pending          <= {BANKS{1'b0}};
             mode_new         <= {N{1'b1}};
             commit_seq       <= 48'd0;
@@ -461,8 +465,8 @@ module axi_lite_regs #(
             if (state == COPY) state <= IDLE;
         end
         if (rst) begin
-            state  <= IDLE;
-            filled <= {BANKS{1'b0}};
+            state  <= FILL;
+            fill   <= {(BANK_W + REG_W) {1'b0}};
             turns  <= 1'b0;
         end
     end
@@ -509,7 +513,7 @@ module axi_lite_regs #(
     // ---- the words outside the banks ---------------------------------------------------------------------------------
 
     // A parameter that is given from outside has 32 bits.
-    localparam [31:0] HAS_32 = HAS, SOURCES_32 = SOURCES, TRACKER_32 = TRACKER, FRAC_32 = FRAC, RADIX_W_32 = RADIX_W;
+    localparam [31:0] HAS_32 = HAS, SOURCES_32 = SOURCES, TICKS_32 = TICKS, TRACKER_32 = TRACKER, FRAC_32 = FRAC, RADIX_W_32 = RADIX_W;
     localparam [31:0] X_W_32 = X_W, Y_W_32 = Y_W, NEV_W_32 = NEV_W, TICK_W_32 = TICK_W, TC_W_32 = TC_W, SUP_W_32 = SUP_W;
     localparam [31:0] ID_W_32 = ID_W, SEQ_W_32 = SEQ_W, TIME_W_32 = TIME_W, STAMP_W_32 = STAMP_W, CELL_PX_32 = CELL_PX;
 
@@ -517,7 +521,8 @@ module axi_lite_regs #(
         .X_W    (X_W),
         .Y_W    (Y_W),
         .SOURCE (SOURCE),
-        .SOURCES(SOURCES)
+        .SOURCES(SOURCES),
+        .TICKS  (TICKS)
     ) u_words (
         .clk                 (clk),
         .rst                 (rst),
@@ -527,7 +532,7 @@ module axi_lite_regs #(
         .known               (words_known),
         .writable            (words_writable),
         .value               (words_value),
-        .kept                (words_kept),
+        .keeps               (words_keeps),
         .clamped             (words_clamped),
         .refused             (words_refused),
         .id                  (`EVCOT_CSR_ID),
@@ -547,6 +552,7 @@ module axi_lite_regs #(
         .shape2_time_w       (TIME_W_32[5:0]),
         .build_filters       (HAS_32[7:0]),
         .build_sources       (SOURCES_32[5:0]),
+        .build_ticks         (TICKS_32[1:0]),
         .build_tracker       (TRACKER_32[1:0]),
         .build_cell_px       (CELL_PX_32[2:0]),
         .sensor_last_x       (LAST_X[15:0]),
@@ -556,6 +562,7 @@ module axi_lite_regs #(
         .memory_fifo_depth   (DEPTH[15:0]),
         .control_enable      (enable),
         .control_drop        (drop),
+        .control_slverr      (slverr),
         .control_latch       (latch),
         .control_soft_reset  (soft_reset),
         .source_select       (source_select),
@@ -609,7 +616,7 @@ module axi_lite_regs #(
         .backward            (backward)
     );
 
-    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, BOXES, LIVES, compared, came, in_slots};
+    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, BOXES, LIVES, compared, came, in_slots, low};
 
 endmodule
 

@@ -2,10 +2,10 @@
 // The words of evcot_top.v outside the banks: one port for each field, and what an access to each address does.
 // Generated from sw/evcot/hardware/registers.toml by `python -m evcot.hardware.generate`: edit there.
 //
-// Two clocks after `word` (an address without its two low bits) `known`, `writable`, `value` and `kept` are valid; `kept` has those
-// bits of the value that a write of single bytes must preserve. A clock after `data`, `refused` is valid, and `clamped`, which is high
-// if a field was out of range. `write` may be asserted from then on, with word and data unchanged: data takes effect at the next
-// clock, unless refused. A pulse lasts one clock.
+// Two clocks after `word` (an address without its two low bits) `known`, `writable`, `value` and `keeps` are valid. With `keeps`, a
+// write of single bytes must preserve the others of the value, else they are 0. A clock after `data`, `refused` is valid, and
+// `clamped`, which is high if a field was out of range. `write` may be asserted from then on, with word and data unchanged: data takes
+// effect at the next clock, unless refused. A pulse lasts one clock.
 //
 // Latency:    2 clocks from word to value, 1 from data to refused and clamped, 1 from write to its field.
 // Throughput: an access at a time.
@@ -18,7 +18,8 @@ module axi_lite_words #(
     parameter X_W     = 9,   // bits of an x address
     parameter Y_W     = 9,   // bits of a y address
     parameter SOURCE  = 0,   // the source after reset
-    parameter SOURCES = 1    // a bit for each source that was built
+    parameter SOURCES = 1,   // a bit for each source that was built
+    parameter TICKS   = 3    // what a tick may be: see event_sources.v
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -29,7 +30,7 @@ module axi_lite_words #(
     output reg         known,
     output reg         writable,
     output reg  [31:0] value,
-    output reg  [31:0] kept,
+    output reg         keeps,
     output wire        clamped,
     output wire        refused,
 
@@ -61,6 +62,7 @@ module axi_lite_words #(
     // 014: build options of the hardware
     input  wire [7:0]  build_filters,
     input  wire [5:0]  build_sources,
+    input  wire [1:0]  build_ticks,
     input  wire [1:0]  build_tracker,
     input  wire [2:0]  build_cell_px,
 
@@ -76,6 +78,7 @@ module axi_lite_words #(
     // 020: control
     output reg         control_enable,
     output reg         control_drop,
+    output reg         control_slverr,
     output reg         control_latch,
     output reg         control_soft_reset,
 
@@ -181,16 +184,10 @@ module axi_lite_words #(
 
     parameter_check #(.OK(((SOURCES >> SOURCE) & 1) == 1)) SOURCE_must_be_one_of_SOURCES ();
 
+    localparam [31:0] SOURCES_32 = SOURCES, TICKS_32 = TICKS;
+
     // ---- address decoding --------------------------------------------------------------------------------------------
 
-    reg at_id;
-    reg at_version;
-    reg at_shape0;
-    reg at_shape1;
-    reg at_shape2;
-    reg at_build;
-    reg at_sensor;
-    reg at_memory;
     reg at_control;
     reg at_source;
     reg at_tick_us;
@@ -219,22 +216,14 @@ module axi_lite_words #(
     reg at_backward;
 
     always @(posedge clk) begin
-        at_id <= word == 12'h000;
-        at_version <= word == 12'h001;
-        at_shape0 <= word == 12'h002;
-        at_shape1 <= word == 12'h003;
-        at_shape2 <= word == 12'h004;
-        at_build <= word == 12'h005;
-        at_sensor <= word == 12'h006;
-        at_memory <= word == 12'h007;
         at_control <= word == 12'h008;
         at_source <= word == 12'h009;
-        at_tick_us <= word == 12'h00a;
-        at_prescale <= word == 12'h00b;
-        at_lfsr_seed <= word == 12'h00c;
-        at_lfsr_gap <= word == 12'h00d;
-        at_lfsr_x <= word == 12'h00e;
-        at_lfsr_y <= word == 12'h00f;
+        at_tick_us <= (TICKS_32[0]) && word == 12'h00a;
+        at_prescale <= (TICKS_32[1] || SOURCES_32[2]) && word == 12'h00b;
+        at_lfsr_seed <= (SOURCES_32[1]) && word == 12'h00c;
+        at_lfsr_gap <= (SOURCES_32[1]) && word == 12'h00d;
+        at_lfsr_x <= (SOURCES_32[1]) && word == 12'h00e;
+        at_lfsr_y <= (SOURCES_32[1]) && word == 12'h00f;
         at_status <= word == 12'h010;
         at_fault <= word == 12'h011;
         at_irq_status <= word == 12'h012;
@@ -260,6 +249,9 @@ module axi_lite_words #(
     wire [2:0]  new_source_select = data[2:0];
     localparam [31:0] ALLOWED_SOURCE_SELECT = SOURCES;
     reg bad_source_select;
+    wire        new_source_clock_time = data[8:8];
+    localparam [31:0] ALLOWED_SOURCE_CLOCK_TIME = TICKS_32[1] ? 3 : 1;
+    reg bad_source_clock_time;
     wire [19:0] new_tick_us = data[19:0];
     localparam [19:0] TOP_TICK_US = 20'd1000000;
     wire        more_tick_us = data > {12'd0, TOP_TICK_US};
@@ -296,10 +288,11 @@ module axi_lite_words #(
 
     always @(posedge clk) begin
         bad_source_select <= at_source && !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
+        bad_source_clock_time <= at_source && !ALLOWED_SOURCE_CLOCK_TIME[{4'd0, new_source_clock_time}];
         over_tick_us <= at_tick_us && more_tick_us;
-        under_tick_us <= at_tick_us && data < 32'd1;
-        under_prescale_tick <= at_prescale && new_prescale_tick < 16'd1;
-        under_prescale_us <= at_prescale && new_prescale_us < 16'd1;
+        under_tick_us <= at_tick_us && data == 32'd0;
+        under_prescale_tick <= at_prescale && new_prescale_tick == 16'd0;
+        under_prescale_us <= at_prescale && new_prescale_us == 16'd0;
         over_lfsr_seed <= at_lfsr_seed && more_lfsr_seed;
         over_lfsr_gap <= at_lfsr_gap && wide_lfsr_gap;
         over_lfsr_x_min <= at_lfsr_x && more_lfsr_x_min;
@@ -308,7 +301,7 @@ module axi_lite_words #(
         over_lfsr_y_span <= at_lfsr_y && more_lfsr_y_span;
     end
 
-    assign refused = bad_source_select;
+    assign refused = bad_source_select || bad_source_clock_time;
     assign clamped = over_tick_us ||
                      under_tick_us ||
                      under_prescale_tick ||
@@ -322,69 +315,78 @@ module axi_lite_words #(
 
     // ---- read data ---------------------------------------------------------------------------------------------------
 
-    reg [31:0] held, stays;
+    // Words of parameters alone are a table; the others have a wire each for their address.
+    reg [31:0] table_reg, held;
+    reg        at_table;
+
+    always @(posedge clk) begin
+        at_table  <= word < 12'd8;
+        table_reg <= 32'd0;
+        if (word < 12'd8) case (word[2:0])
+            3'd0: begin
+                table_reg[31:0] <= id;
+            end
+            3'd1: begin
+                table_reg[15:0] <= version_minor;
+                table_reg[31:16] <= version_major;
+            end
+            3'd2: begin
+                table_reg[6:0] <= shape0_n_slots;
+                table_reg[11:8] <= shape0_frac;
+                table_reg[20:16] <= shape0_x_w;
+                table_reg[28:24] <= shape0_y_w;
+            end
+            3'd3: begin
+                table_reg[5:0] <= shape1_tick_w;
+                table_reg[11:8] <= shape1_radix_w;
+                table_reg[20:16] <= shape1_nev_w;
+                table_reg[29:24] <= shape1_tc_w;
+            end
+            3'd4: begin
+                table_reg[5:0] <= shape2_sup_w;
+                table_reg[13:8] <= shape2_id_w;
+                table_reg[21:16] <= shape2_seq_w;
+                table_reg[29:24] <= shape2_time_w;
+            end
+            3'd5: begin
+                table_reg[7:0] <= build_filters;
+                table_reg[13:8] <= build_sources;
+                table_reg[15:14] <= build_ticks;
+                table_reg[17:16] <= build_tracker;
+                table_reg[26:24] <= build_cell_px;
+            end
+            3'd6: begin
+                table_reg[15:0] <= sensor_last_x;
+                table_reg[31:16] <= sensor_last_y;
+            end
+            3'd7: begin
+                table_reg[5:0] <= memory_stamp_w;
+                table_reg[15:8] <= memory_recent_last;
+                table_reg[31:16] <= memory_fifo_depth;
+            end
+        endcase
+    end
 
     always @* begin
-        held  = 32'd0;
-        stays = 32'd0;
-        held[31:0] = held[31:0] | ({32{at_id}} & id);
-        held[15:0] = held[15:0] | ({16{at_version}} & version_minor);
-        held[31:16] = held[31:16] | ({16{at_version}} & version_major);
-        held[6:0] = held[6:0] | ({7{at_shape0}} & shape0_n_slots);
-        held[11:8] = held[11:8] | ({4{at_shape0}} & shape0_frac);
-        held[20:16] = held[20:16] | ({5{at_shape0}} & shape0_x_w);
-        held[28:24] = held[28:24] | ({5{at_shape0}} & shape0_y_w);
-        held[5:0] = held[5:0] | ({6{at_shape1}} & shape1_tick_w);
-        held[11:8] = held[11:8] | ({4{at_shape1}} & shape1_radix_w);
-        held[20:16] = held[20:16] | ({5{at_shape1}} & shape1_nev_w);
-        held[29:24] = held[29:24] | ({6{at_shape1}} & shape1_tc_w);
-        held[5:0] = held[5:0] | ({6{at_shape2}} & shape2_sup_w);
-        held[13:8] = held[13:8] | ({6{at_shape2}} & shape2_id_w);
-        held[21:16] = held[21:16] | ({6{at_shape2}} & shape2_seq_w);
-        held[29:24] = held[29:24] | ({6{at_shape2}} & shape2_time_w);
-        held[7:0] = held[7:0] | ({8{at_build}} & build_filters);
-        held[13:8] = held[13:8] | ({6{at_build}} & build_sources);
-        held[17:16] = held[17:16] | ({2{at_build}} & build_tracker);
-        held[26:24] = held[26:24] | ({3{at_build}} & build_cell_px);
-        held[15:0] = held[15:0] | ({16{at_sensor}} & sensor_last_x);
-        held[31:16] = held[31:16] | ({16{at_sensor}} & sensor_last_y);
-        held[5:0] = held[5:0] | ({6{at_memory}} & memory_stamp_w);
-        held[15:8] = held[15:8] | ({8{at_memory}} & memory_recent_last);
-        held[31:16] = held[31:16] | ({16{at_memory}} & memory_fifo_depth);
+        held = table_reg;  // 0 elsewhere
         held[0:0] = held[0:0] | ({1{at_control}} & control_enable);
-        stays[0:0] = stays[0:0] | ({1{at_control}} & control_enable);
         held[1:1] = held[1:1] | ({1{at_control}} & control_drop);
-        stays[1:1] = stays[1:1] | ({1{at_control}} & control_drop);
+        held[2:2] = held[2:2] | ({1{at_control}} & control_slverr);
         held[2:0] = held[2:0] | ({3{at_source}} & source_select);
-        stays[2:0] = stays[2:0] | ({3{at_source}} & source_select);
         held[8:8] = held[8:8] | ({1{at_source}} & source_clock_time);
-        stays[8:8] = stays[8:8] | ({1{at_source}} & source_clock_time);
         held[16:16] = held[16:16] | ({1{at_source}} & source_swap_bytes);
-        stays[16:16] = stays[16:16] | ({1{at_source}} & source_swap_bytes);
         held[17:17] = held[17:17] | ({1{at_source}} & source_swap_halves);
-        stays[17:17] = stays[17:17] | ({1{at_source}} & source_swap_halves);
         held[24:24] = held[24:24] | ({1{at_source}} & source_active_low);
-        stays[24:24] = stays[24:24] | ({1{at_source}} & source_active_low);
         held[25:25] = held[25:25] | ({1{at_source}} & source_word_serial);
-        stays[25:25] = stays[25:25] | ({1{at_source}} & source_word_serial);
         held[19:0] = held[19:0] | ({20{at_tick_us}} & tick_us);
-        stays[19:0] = stays[19:0] | ({20{at_tick_us}} & tick_us);
         held[15:0] = held[15:0] | ({16{at_prescale}} & prescale_tick);
-        stays[15:0] = stays[15:0] | ({16{at_prescale}} & prescale_tick);
         held[31:16] = held[31:16] | ({16{at_prescale}} & prescale_us);
-        stays[31:16] = stays[31:16] | ({16{at_prescale}} & prescale_us);
         held[31:0] = held[31:0] | ({32{at_lfsr_seed}} & lfsr_seed);
-        stays[31:0] = stays[31:0] | ({32{at_lfsr_seed}} & lfsr_seed);
         held[15:0] = held[15:0] | ({16{at_lfsr_gap}} & lfsr_gap);
-        stays[15:0] = stays[15:0] | ({16{at_lfsr_gap}} & lfsr_gap);
         held[15:0] = held[15:0] | ({16{at_lfsr_x}} & lfsr_x_min);
-        stays[15:0] = stays[15:0] | ({16{at_lfsr_x}} & lfsr_x_min);
         held[31:16] = held[31:16] | ({16{at_lfsr_x}} & lfsr_x_span);
-        stays[31:16] = stays[31:16] | ({16{at_lfsr_x}} & lfsr_x_span);
         held[15:0] = held[15:0] | ({16{at_lfsr_y}} & lfsr_y_min);
-        stays[15:0] = stays[15:0] | ({16{at_lfsr_y}} & lfsr_y_min);
         held[31:16] = held[31:16] | ({16{at_lfsr_y}} & lfsr_y_span);
-        stays[31:16] = stays[31:16] | ({16{at_lfsr_y}} & lfsr_y_span);
         held[0:0] = held[0:0] | ({1{at_status}} & status_idle);
         held[1:1] = held[1:1] | ({1{at_status}} & status_pending);
         held[2:2] = held[2:2] | ({1{at_status}} & status_open);
@@ -401,7 +403,6 @@ module axi_lite_words #(
         held[3:3] = held[3:3] | ({1{at_irq_status}} & irq_status_overflow);
         held[4:4] = held[4:4] | ({1{at_irq_status}} & irq_status_commit);
         held[4:0] = held[4:0] | ({5{at_irq_enable}} & irq_enable);
-        stays[4:0] = stays[4:0] | ({5{at_irq_enable}} & irq_enable);
         held[31:0] = held[31:0] | ({32{at_commit_seq_low}} & commit_seq_low);
         held[15:0] = held[15:0] | ({16{at_commit_seq_high}} & commit_seq_high);
         held[31:0] = held[31:0] | ({32{at_commits}} & commits);
@@ -419,15 +420,8 @@ module axi_lite_words #(
 
     always @(posedge clk) begin
         value    <= held;
-        kept     <= stays;
-        known    <= at_id ||
-                    at_version ||
-                    at_shape0 ||
-                    at_shape1 ||
-                    at_shape2 ||
-                    at_build ||
-                    at_sensor ||
-                    at_memory ||
+        keeps    <= !(at_fault || at_irq_clear);
+        known    <= at_table ||
                     at_control ||
                     at_source ||
                     at_tick_us ||
@@ -481,6 +475,7 @@ module axi_lite_words #(
             if (at_control) begin
                 control_enable <= data[0:0];
                 control_drop <= data[1:1];
+                control_slverr <= data[2:2];
                 control_latch <= data[8:8];
                 control_soft_reset <= data[9:9];
             end
@@ -529,6 +524,7 @@ module axi_lite_words #(
         if (rst) begin
             control_enable <= 1'd0;
             control_drop <= 1'd0;
+            control_slverr <= 1'd0;
             control_latch <= 1'd0;
             control_soft_reset <= 1'd0;
             source_select <= SOURCE[2:0];

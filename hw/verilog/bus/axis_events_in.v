@@ -5,10 +5,10 @@
 // T_W bits; a smaller decrease is a time that runs backwards, and is passed on unchanged. A beat whose tkeep is not all
 // ones, or whose pixel lies beyond WIDTH x HEIGHT, is skipped and counted. tlast is ignored.
 //
-// Latency:    3 clocks.
+// Latency:    2 clocks.
 // Stall:      an event is held until accepted.
 // Reset:      empty, counter 0, time starts at the first event's 32 bits.
-// Combinational paths: none; s_axis_tready is a register.
+// Combinational paths: m_ready -> s_axis_tready.
 // Throughput: an event per clock.
 `default_nettype none
 `include "evcot_regs.vh"
@@ -48,21 +48,9 @@ module axis_events_in #(
     localparam [31:0] COLUMNS = WIDTH;
     localparam [31:0] ROWS    = HEIGHT;
 
-    wire        valid, ready, whole;
-    wire [63:0] word;
-
-    skid_buffer #(
-        .W(65)
-    ) u_input (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(s_axis_tvalid),
-        .s_ready(s_axis_tready),
-        .s_data ({&s_axis_tkeep, s_axis_tdata}),
-        .m_valid(valid),
-        .m_ready(ready),
-        .m_data ({whole, word})
-    );
+    wire        ready;
+    wire        whole = &s_axis_tkeep;
+    wire [63:0] word  = s_axis_tdata;
 
     // ---- is it an event? ---------------------------------------------------------------------------------------------
 
@@ -74,11 +62,12 @@ module axis_events_in #(
     reg [X_W-1:0] seen_x;
     reg [Y_W-1:0] seen_y;
 
-    assign ready = m_ready || !m_valid;
+    assign ready         = m_ready || !m_valid;
+    assign s_axis_tready = ready;
 
     always @(posedge clk) begin
         if (ready) begin
-            seen   <= valid;
+            seen   <= s_axis_tvalid;
             sound  <= whole && x < COLUMNS[16:0] && y < ROWS[16:0];
             t      <= word[`EVCOT_EVENT_T_LSB +: `EVCOT_EVENT_T_W];
             seen_x <= x[X_W-1:0];
@@ -94,7 +83,7 @@ module axis_events_in #(
     reg  [HIGH_W-1:0] turn, turn_next;  // a turn begins in every second clock at most
     wire              wrapped = last[31] && !t[31] && last[30:0] >= t[30:0];
 
-    assign idle = !valid && !seen && !m_valid;
+    assign idle = !seen && !m_valid;
 
     always @(posedge clk) begin
         turn_next <= turn + 1'b1;

@@ -2,6 +2,8 @@
 // Legal values of the registers of a slot, of the filters and of motion, for a module with the parameters that give their widths.
 // Generated from sw/evcot/hardware/contract.py and registers.toml by `python -m evcot.hardware.generate`: edit there.
 
+localparam LOW_W = 1;  // bits of every lowest legal value
+
 // Words that exist: the registers, and the word that commits. (Not as a case: Yosys
 // would make a ROM of it that is read with the address, before its register.)
 function slot_has(input [`EVCOT_REG_W-1:0] word);

@@ -5,8 +5,8 @@
 `define EVCOT_REGS_VH
 
 `define EVCOT_CSR_ID      32'h45564354
-`define EVCOT_CSR_MAJOR   16'd2
-`define EVCOT_CSR_MINOR   16'd2
+`define EVCOT_CSR_MAJOR   16'd3
+`define EVCOT_CSR_MINOR   16'd0
 `define EVCOT_CSR_ADDR_W  14
 
 // Banks: base address of the first of each kind; in each bank, the word that commits and the last register.

@@ -8,7 +8,7 @@
 // Registers and the words of all streams: docs/registers.md. After reset SOURCE is selected, slots and filters are off and
 // the gate is closed: write the registers of a slot, commit them, set control.enable.
 //
-// Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 17 clocks,
+// Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 12 clocks, 11 without TICKS,
 //          those of the filters that are built, and those of the tracker: those of cot_array or cot_motion, or 6 in the first of
 //          cot_chain.
 // Throughput: an event per clock, where source, filters and trackers keep up.
@@ -26,6 +26,7 @@
 module evcot_top #(
     parameter SOURCES      = 1,    // sources to build, a bit each: 1 events, 2 LFSR, 4 AER, 8 EVT 2.0, 16 EVT 2.1, 32 EVT 3.0
     parameter SOURCE       = 0,    // number of the one that is selected after reset
+    parameter TICKS        = 3,    // what a tick may be, besides 1 us of the events' time, a bit each: 1 tick_us of it, 2 a time of the clock
     parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain, 2 cot_motion: cot_motion
     parameter HAS          = 0,    // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH        = 346,  // pixels of the sensor across
@@ -162,6 +163,7 @@ module evcot_top #(
         .HAS         (HAS),
         .SOURCES     (SOURCES),
         .SOURCE      (SOURCE),
+        .TICKS       (TICKS),
         .TRACKER     (TRACKER),
         .WIDTH       (WIDTH),
         .HEIGHT      (HEIGHT),
@@ -274,6 +276,7 @@ module evcot_top #(
 
     event_sources #(
         .SOURCES(SOURCES),
+        .TICKS  (TICKS),
         .X_W    (X_W),
         .Y_W    (Y_W),
         .TICK_W (TICK_W),

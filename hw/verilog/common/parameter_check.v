@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stops elaboration when a parameter is outside its range: parameter_check #(.OK(rule)) W_must_be_1_to_16 ();
 //
-// The instance's name states the rule, and every tool's message shows it. Nothing is built when the rule holds. When it does
-// not, the module instantiates itself without end, which Verilator, Icarus and Yosys refuse. (An instance of an undefined
-// module would read more simply, but Verilator resolves modules before it drops an untaken generate branch.)
+// The instance's name states the rule. Nothing is built when the rule holds. When it does not, elaboration ends with an error
+// for two reasons, because no single one is an error of every tool and shows the instance's name:
+//   - The module instantiates itself without end: Verilator, Icarus and slang refuse it and show the name.
+//   - A range depends on a wire: Yosys refuses it, with or without flattening, and shows the line below.
+// (An instance of an undefined module would read more simply, but Verilator resolves modules before it drops an untaken generate
+// branch.)
 //
 // Latency:    none, it has no ports.
 // Throughput: none.
@@ -18,6 +21,8 @@ module parameter_check #(
 
     generate
         if (!OK) begin : g_refuse
+            wire unknown;
+            wire [unknown:0] a_parameter_is_out_of_range;
             parameter_check #(.OK(0)) refused ();
         end
     endgenerate

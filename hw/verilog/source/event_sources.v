@@ -3,12 +3,14 @@
 //
 //     events, EVT 2.0, 2.1, 3.0 on one AXI4-Stream; AER; LFSR  ->  the selected one  ->  ticks  ->  overload_fifo
 //
-// Each of the two multiplexers, for the source and for its ticks, is followed by a skid buffer, so that they share no path.
+// If there are several sources, the multiplexer is followed by a skid buffer, which ends its paths.
 //
-// Ticks come from the events' own time (stamp_ticks) or from the clock (tick_prescaler). The time of an event of the LFSR is
-// that of its software model, sw/evcot/hardware/lfsr_event_source.py: a microsecond per step. Settings may change under reset only.
+// Ticks come from the events' own time (stamp_ticks) or from the clock (prescaler): then an event carries the ticks up to the clock in
+// which it enters the FIFO. The time of an event of the LFSR is that of its software model,
+// sw/evcot/hardware/lfsr_event_source.py: a microsecond per step. Settings may change under reset only.
 //
-// Latency:    the sum of the parts of the selected source; from a beat of `events` 14 clocks to m_.
+// Latency:    the sum of the parts of the selected source; from a beat of `events` 9 clocks to m_, and 1 more each for a divider
+//             and for several sources.
 // Throughput: an event per clock, where source and ticks keep up.
 // Stall:      a token is held until accepted; with drop what does not fit is dropped and counted. A source that is not selected accepts
 //             nothing.
@@ -19,6 +21,7 @@
 
 module event_sources #(
     parameter SOURCES = 1,    // sources to build, a bit each: EVCOT_SOURCE_*
+    parameter TICKS   = 3,    // what a tick may be, besides 1 us of the events' time, a bit each: 1 tick_us of it, 2 a time of the clock
     parameter X_W     = 9,    // bits of an x address
     parameter Y_W     = 9,    // bits of a y address
     parameter TICK_W  = 20,   // bits of the ticks in a token
@@ -79,11 +82,15 @@ module event_sources #(
 );
 
     parameter_check #(.OK(SOURCES >= 1 && SOURCES < (2 << `EVCOT_SOURCE_EVT3))) SOURCES_must_be_1_to_63 ();
+    parameter_check #(.OK(TICKS >= 0 && TICKS <= 3)) TICKS_must_be_0_to_3 ();
 
     localparam T_W = 48;
     localparam K   = `EVCOT_SOURCE_EVT3 + 1;
     localparam [31:0]  MASK  = SOURCES;
     localparam [K-1:0] BUILT = MASK[K-1:0];
+    localparam SINGLE  = (SOURCES & (SOURCES - 1)) == 0 ? 1 : 0;
+    localparam DIVIDES = TICKS % 2;
+    localparam CLOCKED = TICKS / 2;
 
     // ---- the sources: event streams, each with a count of what it skipped ---------------------------------------------
 
@@ -92,9 +99,7 @@ module event_sources #(
     wire [K*X_W-1:0] x;
     wire [K*Y_W-1:0] y;
     wire [K*32-1:0]  skipped;
-    reg  [K-1:0]     chosen;
-
-    always @(posedge clk) chosen <= BUILT & ({{(K - 1) {1'b0}}, 1'b1} << select);
+    wire [K-1:0]     chosen;
 
     // What was taken under reset would be lost.
     assign s_axis_tready = |(axis_ready & chosen) && !rst;
@@ -291,7 +296,6 @@ module event_sources #(
     reg  [T_W-1:0] chosen_t;
     reg  [X_W-1:0] chosen_x;
     reg  [Y_W-1:0] chosen_y;
-    reg  [31:0]    skipped_now;
     wire           chosen_ready;
 
     always @* begin : choose
@@ -299,12 +303,12 @@ module event_sources #(
         chosen_t    = {T_W{1'b0}};
         chosen_x    = {X_W{1'b0}};
         chosen_y    = {Y_W{1'b0}};
-        skipped_now = 32'd0;
+        n_malformed = 32'd0;
         for (i = 0; i < K; i = i + 1) if (chosen[i]) begin
             chosen_t    = chosen_t | t[i*T_W +: T_W];
             chosen_x    = chosen_x | x[i*X_W +: X_W];
             chosen_y    = chosen_y | y[i*Y_W +: Y_W];
-            skipped_now = skipped_now | skipped[i*32 +: 32];
+            n_malformed = n_malformed | skipped[i*32 +: 32];
         end
     end
 
@@ -315,98 +319,85 @@ module event_sources #(
     wire [X_W-1:0] event_x;
     wire [Y_W-1:0] event_y;
 
-    skid_buffer #(
-        .W(T_W + X_W + Y_W + 1)
-    ) u_chosen (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(|(valid & chosen)),
-        .s_ready(chosen_ready),
-        .s_data ({chosen_t, chosen_x, chosen_y, |(p & chosen)}),
-        .m_valid(event_valid),
-        .m_ready(event_ready),
-        .m_data ({event_t, event_x, event_y, event_p})
-    );
+    generate
+        if (SINGLE != 0) begin : g_single
+            assign chosen       = BUILT;
+            assign event_valid  = |valid;
+            assign chosen_ready = event_ready;
+            assign {event_t, event_x, event_y, event_p} = {chosen_t, chosen_x, chosen_y, |p};
+            wire unused_select = &{1'b0, select};
+        end else begin : g_selected
+            reg [K-1:0] chosen_reg;
+            always @(posedge clk) chosen_reg <= BUILT & ({{(K - 1) {1'b0}}, 1'b1} << select);
+            assign chosen = chosen_reg;
+
+            skid_buffer #(
+                .W(T_W + X_W + Y_W + 1)
+            ) u_chosen (
+                .clk    (clk),
+                .rst    (rst),
+                .s_valid(|(valid & chosen)),
+                .s_ready(chosen_ready),
+                .s_data ({chosen_t, chosen_x, chosen_y, |(p & chosen)}),
+                .m_valid(event_valid),
+                .m_ready(event_ready),
+                .m_data ({event_t, event_x, event_y, event_p})
+            );
+        end
+    endgenerate
 
     // ---- ticks -------------------------------------------------------------------------------------------------------
 
-    localparam TOKEN_W = TICK_W + 2 + X_W + Y_W + 1;
-
-    wire               stamp_ready, stamp_valid, clock_ready, clock_valid, stamp_idle, clock_idle;
-    wire               ticks_ready, token_valid, token_ready, fifo_idle;
-    wire [TOKEN_W-1:0] stamp_token, clock_token, token;
-    wire [31:0]        n_out;
-
-    reg [15:0] clocks_per_tick;
-
-    always @(posedge clk) clocks_per_tick <= clock_time ? prescale_tick : 16'd0;
-
-    assign event_ready = clock_time ? clock_ready : stamp_ready;
+    wire           token_valid, token_ready, token_p, passes, stamp_idle, fifo_idle;
+    wire [T_W-1:0] token_tick;
+    wire [X_W-1:0] token_x;
+    wire [Y_W-1:0] token_y;
+    wire [31:0]    n_out;
 
     stamp_ticks #(
-        .T_W   (T_W),
-        .X_W   (X_W),
-        .Y_W   (Y_W),
-        .TICK_W(TICK_W)
+        .T_W    (T_W),
+        .X_W    (X_W),
+        .Y_W    (Y_W),
+        .DIVIDES(DIVIDES)
     ) u_stamp (
         .clk       (clk),
         .rst       (rst),
+        .off       (CLOCKED != 0 && clock_time),
         .tick_us   (tick_us),
-        .s_valid   (event_valid && !clock_time),
-        .s_ready   (stamp_ready),
+        .s_valid   (event_valid),
+        .s_ready   (event_ready),
         .s_t       (event_t),
         .s_x       (event_x),
         .s_y       (event_y),
         .s_p       (event_p),
-        .m_valid   (stamp_valid),
-        .m_ready   (ticks_ready && !clock_time),
-        .m_tick    (stamp_token[TOKEN_W-1 -: TICK_W]),
-        .m_event   (stamp_token[X_W+Y_W+2]),
-        .m_skip    (stamp_token[X_W+Y_W+1]),
-        .m_x       (stamp_token[Y_W+1 +: X_W]),
-        .m_y       (stamp_token[1 +: Y_W]),
-        .m_p       (stamp_token[0]),
+        .m_valid   (token_valid),
+        .m_ready   (token_ready),
+        .m_tick    (token_tick),
+        .m_x       (token_x),
+        .m_y       (token_y),
+        .m_p       (token_p),
         .n_backward(n_backward),
         .idle      (stamp_idle)
     );
 
-    tick_prescaler #(
-        .X_W       (X_W),
-        .Y_W       (Y_W),
-        .TICK_W    (TICK_W),
-        .PRESCALE_W(16)
-    ) u_clock (
-        .clk     (clk),
-        .rst     (rst),
-        .prescale(clocks_per_tick),
-        .s_valid (event_valid && clock_time),
-        .s_ready (clock_ready),
-        .s_x     (event_x),
-        .s_y     (event_y),
-        .s_p     (event_p),
-        .m_valid (clock_valid),
-        .m_ready (ticks_ready && clock_time),
-        .m_tick  (clock_token[TOKEN_W-1 -: TICK_W]),
-        .m_event (clock_token[X_W+Y_W+2]),
-        .m_skip  (clock_token[X_W+Y_W+1]),
-        .m_x     (clock_token[Y_W+1 +: X_W]),
-        .m_y     (clock_token[1 +: Y_W]),
-        .m_p     (clock_token[0]),
-        .idle    (clock_idle)
-    );
+    generate
+        if (CLOCKED != 0) begin : g_clocked
+            reg [15:0] clocks_per_tick;
+            always @(posedge clk) clocks_per_tick <= clock_time ? prescale_tick : 16'd0;
 
-    skid_buffer #(
-        .W(TOKEN_W)
-    ) u_token (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(clock_time ? clock_valid : stamp_valid),
-        .s_ready(ticks_ready),
-        .s_data (clock_time ? clock_token : stamp_token),
-        .m_valid(token_valid),
-        .m_ready(token_ready),
-        .m_data (token)
-    );
+            prescaler #(
+                .W(16)
+            ) u_clock (
+                .clk   (clk),
+                .rst   (rst),
+                .period(clocks_per_tick),
+                .pulse (passes)
+            );
+        end else begin : g_not_clocked
+            assign passes = 1'b0;
+            wire unused_clock = &{1'b0, clock_time, prescale_tick};
+        end
+    endgenerate
 
     // ---- the input FIFO ----------------------------------------------------------------------------------------------
 
@@ -415,20 +406,21 @@ module event_sources #(
         .Y_W   (Y_W),
         .TICK_W(TICK_W),
         .DEPTH (DEPTH),
-        .GAP_W (40),
+        .GAP_W (T_W),
         .HELD_W(16)
     ) u_fifo (
         .clk        (clk),
         .rst        (rst),
         .drop_enable(drop),
+        .s_time     (passes),
         .s_valid    (token_valid),
         .s_ready    (token_ready),
-        .s_tick     (token[TOKEN_W-1 -: TICK_W]),
-        .s_event    (token[X_W+Y_W+2]),
-        .s_skip     (token[X_W+Y_W+1]),
-        .s_x        (token[Y_W+1 +: X_W]),
-        .s_y        (token[1 +: Y_W]),
-        .s_p        (token[0]),
+        .s_tick     (token_tick),
+        .s_event    (1'b1),
+        .s_skip     (1'b0),
+        .s_x        (token_x),
+        .s_y        (token_y),
+        .s_p        (token_p),
         .m_valid    (m_valid),
         .m_ready    (m_ready),
         .m_tick     (m_tick),
@@ -445,9 +437,7 @@ module event_sources #(
         .idle       (fifo_idle)
     );
 
-    assign idle = &(source_idle | ~chosen) && !event_valid && stamp_idle && clock_idle && !token_valid && fifo_idle;
-
-    always @(posedge clk) n_malformed <= rst ? 32'd0 : skipped_now;
+    assign idle = &(source_idle | ~chosen) && !event_valid && stamp_idle && fifo_idle;
 
     wire unused = &{1'b0, n_out, s_axis_tvalid, s_axis_tdata, s_axis_tkeep, s_axis_tlast, axis_ready, ready,
                     swap_halves, swap_bytes, lfsr_seed, lfsr_gap, lfsr_x_min, lfsr_x_span, lfsr_y_min, lfsr_y_span};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts tokens with wide ticks to ticks of TICK_W bits: ticks that do not fit are sent ahead in as many tokens without event as needed.
+// Converts tokens with wide ticks to ticks of TICK_W bits: of ticks that do not fit, 2^(TICK_W - 1) at a time are sent ahead in tokens
+// without event.
 //
 // Latency:    2 clocks from s_ to m_.
 // Throughput: 1 output token per clock.
@@ -46,7 +47,8 @@ module tick_splitter #(
     parameter_check #(.OK(TICK_W >= `EVCOT_TICK_W_MIN && TICK_W <= `EVCOT_TICK_W_MAX)) TICK_W_must_be_1_to_32 ();
     parameter_check #(.OK(WIDE_W >= TICK_W)) WIDE_W_must_be_at_least_TICK_W ();
 
-    localparam [WIDE_W-1:0] MOST = {WIDE_W{1'b1}} >> (WIDE_W - TICK_W);
+    localparam [TICK_W-1:0] HALF   = {TICK_W{1'b1}} ^ ({TICK_W{1'b1}} >> 1);  // ticks of a token that goes ahead
+    localparam              HIGH_W = WIDE_W - TICK_W + 1;  // bits of the number of halves
 
     reg              valid, is_event, is_skip, p;
     reg [WIDE_W-1:0] left;  // ticks that have not gone out
@@ -55,15 +57,16 @@ module tick_splitter #(
 
     wire output_ready;
 
-    // More ticks are left than a token holds, and will be when a full token has gone: left > 2 * MOST. In two parts, so that no path
-    // from the ticks that come looks at more than half of the bits beyond.
+    // More ticks are left than a token holds, that is, more than one half, and will be when one has gone. In two parts, so that no
+    // path from the ticks that come looks at more than half of the bits beyond.
     localparam BEYOND_W = WIDE_W - TICK_W;
-    localparam HALF_W   = BEYOND_W / 2;
+    localparam SPLIT_W  = BEYOND_W / 2;
 
     reg               more_low, more_high;
     wire              more = more_low || more_high;
-    wire [WIDE_W+1:0] beyond    = {2'b00, s_tick} >> TICK_W;
-    wire [WIDE_W+1:0] wide_left = {2'b00, left};
+    wire [WIDE_W+1:0] beyond = {2'b00, s_tick} >> TICK_W;
+    wire [HIGH_W-1:0] halves = left[WIDE_W-1 -: HIGH_W];
+    wire [HIGH_W+1:0] wide_halves = {2'b00, halves};
 
     assign s_ready = !valid || (output_ready && !more);
 
@@ -74,7 +77,7 @@ module tick_splitter #(
         .rst    (rst),
         .s_valid(valid),
         .s_ready(output_ready),
-        .s_data ({more ? MOST[TICK_W-1:0] : left[TICK_W-1:0], is_event && !more, is_skip && !more, x, y, p}),
+        .s_data ({more ? HALF : left[TICK_W-1:0], is_event && !more, is_skip && !more, x, y, p}),
         .m_valid(m_valid),
         .m_ready(m_ready),
         .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
@@ -84,13 +87,13 @@ module tick_splitter #(
 
     always @(posedge clk) begin
         if (output_ready && more) begin
-            left      <= left - MOST;
-            more_low  <= &wide_left[TICK_W:0];
-            more_high <= (wide_left >> (TICK_W + 1)) != {(WIDE_W + 2) {1'b0}};
+            left[WIDE_W-1 -: HIGH_W] <= halves - 1'b1;
+            more_low  <= &wide_halves[1:0];
+            more_high <= wide_halves[HIGH_W+1:2] != {HIGH_W{1'b0}};
         end
         if (s_ready) begin
-            more_low  <= (beyond & ~({(WIDE_W + 2) {1'b1}} << HALF_W)) != {(WIDE_W + 2) {1'b0}};
-            more_high <= (beyond >> HALF_W) != {(WIDE_W + 2) {1'b0}};
+            more_low  <= (beyond & ~({(WIDE_W + 2) {1'b1}} << SPLIT_W)) != {(WIDE_W + 2) {1'b0}};
+            more_high <= (beyond >> SPLIT_W) != {(WIDE_W + 2) {1'b0}};
             valid     <= s_valid;
             left      <= s_tick;
             is_event  <= s_event;

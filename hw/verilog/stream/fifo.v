@@ -104,13 +104,9 @@ module fifo #(
     always @(posedge clk) begin
         if (push) write_reg <= (write_reg == LAST[ADDR_W-1:0]) ? {ADDR_W{1'b0}} : write_reg + 1'b1;
         if (read) read_reg <= (read_reg == LAST[ADDR_W-1:0]) ? {ADDR_W{1'b0}} : read_reg + 1'b1;
-        if (push && !pop) begin
-            level_reg <= level_reg + 1'b1;
-            full_reg <= level_reg == LAST[LEVEL_W-1:0];
-        end
-        if (pop && !push) begin
-            level_reg <= level_reg - 1'b1;
-            full_reg <= 1'b0;
+        if (push != pop) begin
+            level_reg <= level_reg + (pop ? {LEVEL_W{1'b1}} : {{(LEVEL_W - 1) {1'b0}}, 1'b1});
+            full_reg <= push && level_reg == LAST[LEVEL_W-1:0];
         end
         if (rst) begin
             write_reg <= {ADDR_W{1'b0}};

@@ -7,6 +7,8 @@
 // and leave with the next event, or as soon as the queue is empty. Dropped events get no number.
 // With drop_enable low the queue is a plain one: s_ready falls while it is full.
 //
+// Ticks may also come one by one at any clock, without a token (s_time): they go with the next event that is accepted.
+//
 // Latency:    6 clocks from s_ to m_ when empty, 7 of ticks without an event.
 // Throughput: 1 token per clock; with DEPTH below 4, DEPTH tokens in four clocks.
 // Stall:      a token is held until accepted; s_ready stays high while drop_enable is.
@@ -21,7 +23,7 @@ module overload_fifo #(
     parameter Y_W     = 9,    // bits of a y address
     parameter TICK_W  = 20,   // bits of a token's ticks
     parameter DEPTH   = 256,  // events that wait, at least 1, any number; 4 more are on their way out
-    parameter GAP_W   = 40,   // bits of the ticks kept with an event: a stall must be shorter
+    parameter GAP_W   = 48,   // bits of the ticks that come, and are kept with an event: a stall must be shorter
     parameter COUNT_W = 32,   // bits of a counter
     parameter HELD_W  = $clog2(DEPTH + 5)  // bits of held, which counts up to DEPTH + 4
 ) (
@@ -30,10 +32,12 @@ module overload_fifo #(
 
     input  wire               drop_enable,
 
+    input  wire               s_time,     // a tick passes; s_tick must stay 0 from reset on where this is used
+
     // tokens in
     input  wire               s_valid,
     output wire               s_ready,
-    input  wire [TICK_W-1:0]  s_tick,
+    input  wire [GAP_W-1:0]   s_tick,
     input  wire               s_event,
     input  wire               s_skip,
     input  wire [X_W-1:0]     s_x,
@@ -67,8 +71,8 @@ module overload_fifo #(
 
     reg  [GAP_W-1:0] waiting;  // ticks of what was dropped, and of tokens of ticks alone
     reg              waits;    // there are any: known without looking at all of them
-    wire [GAP_W-1:0] ticks = waiting + (s_valid ? {{(GAP_W - TICK_W) {1'b0}}, s_tick} : {GAP_W{1'b0}});
-    wire             some  = waits || (s_valid && s_tick != {TICK_W{1'b0}});
+    wire [GAP_W-1:0] ticks = waiting + (s_valid ? s_tick : {GAP_W{1'b0}}) + {{(GAP_W - 1) {1'b0}}, s_time};
+    wire             some  = waits || (s_valid && s_tick != {GAP_W{1'b0}}) || s_time;
 
     wire room, queue_valid, queue_ready, queue_event, queue_skip, queue_p, output_idle;
     wire [GAP_W-1:0]   queue_tick;
@@ -139,7 +143,7 @@ module overload_fifo #(
         if (keeps || flushes) begin
             waiting <= {GAP_W{1'b0}};
             waits   <= 1'b0;
-        end else if (s_ready) begin
+        end else if (s_ready || s_time) begin
             waiting <= ticks;
             waits   <= some;
         end
@@ -150,8 +154,7 @@ module overload_fifo #(
         if (arrived) n_in <= n_in + 1'b1;
         if (dropped) n_dropped <= n_dropped + 1'b1;
         if (given) n_out <= n_out + 1'b1;
-        if (kept && !given) held <= held + 1'b1;
-        if (given && !kept) held <= held - 1'b1;
+        if (kept != given) held <= held + {{(HELD_W - 1) {given}}, 1'b1};
         if (rst) begin
             waiting   <= {GAP_W{1'b0}};
             waits     <= 1'b0;

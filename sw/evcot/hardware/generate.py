@@ -181,6 +181,7 @@ def _vocabulary() -> dict[str, Any]:
             "filter": _limits("FREG", FILTER_REGISTERS, banks["filter"].refuse),
             "motion": _limits("MREG", motion, [name for bank in MOTION_BANKS for name in banks[bank].refuse]),
         },
+        "low_w": max(entry.low for bank in banks.values() for entry in bank.registers.values()).bit_length() or 1,
         "checked": checked,
         "flaws": _flaws,
         "refusing": [f"bad_{word.port(field)}" for word, field in checked if field.allowed],

@@ -64,6 +64,7 @@ class _Build(Group):
     __slots__ = ()
     filters = Bits("build", "filters")
     sources = Bits("build", "sources")
+    ticks = Bits("build", "ticks")
     tracker = Bits("build", "tracker")
     cell_px = Bits("build", "cell_px")
 
@@ -91,6 +92,7 @@ class _Control(Group):
     __slots__ = ()
     enable = Bits("control", "enable")
     drop = Bits("control", "drop")
+    slverr = Bits("control", "slverr")
     latch = Bits("control", "latch")
     soft_reset = Bits("control", "soft_reset")
 
@@ -369,9 +371,9 @@ class Registers(Group):
         if self.id != 0x45564354:
             raise ConfigError(f"the hardware says that it is {self.id:#010x}: must be 0x45564354, an evcot_top")
         version = _Version(transport, 0, self.shape, self.filter_shape)
-        if version.major != 2:
+        if version.major != 3:
             raise ConfigError(
-                f"the hardware has version {version.major}.{version.minor} of the registers: must be 2.x"
+                f"the hardware has version {version.major}.{version.minor} of the registers: must be 3.x"
             )
         sensor = _Sensor(transport, 0, self.shape, self.filter_shape)
         memory = _Memory(transport, 0, self.shape, self.filter_shape)

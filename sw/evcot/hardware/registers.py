@@ -55,7 +55,7 @@ class Access(StrEnum):
 
 
 class BusError(ConfigError):
-    """The hardware returned a bus error: the address does not exist, or the value was refused or clamped."""
+    """The hardware refused or clamped a value, or the address does not exist: a bus error, or a bit of `fault`."""
 
 
 class Transport(Protocol):
@@ -101,17 +101,29 @@ class Field:
 
 @dataclass(frozen=True)
 class Word:
-    """One 32-bit word of the map, outside the banks."""
+    """One 32-bit word of the map, outside the banks.
+
+    Attributes:
+        built: Verilog condition under which the word exists; empty if it always does.
+        where: the same in words.
+    """
 
     name: str
     address: int
     meaning: str
     fields: tuple[Field, ...]
+    built: str = ""
+    where: str = ""
 
     @property
     def writable(self) -> bool:
         """Whether a write has any effect."""
         return any(field.access is not Access.RO for field in self.fields)
+
+    @property
+    def constant(self) -> bool:
+        """Whether the word depends on parameters only."""
+        return self.address < 0x20
 
     @property
     def kept(self) -> int:
@@ -304,7 +316,11 @@ def _bank_problems(bank: Bank) -> Iterator[str]:
 
 
 class Group:
-    """Named words at a base address on a transport."""
+    """Named words at a base address on a transport.
+
+    Raises:
+        BusError: on access, if the register `fault` records the access. The read of a word outside the banks is not checked.
+    """
 
     __slots__ = ("_base", "_transport", "filter_shape", "shape")
 
@@ -315,10 +331,24 @@ class Group:
         self.filter_shape = filter_shape
 
     def _read(self, address: int) -> int:
-        return self._transport.read(self._base + address)
+        value = self._transport.read(self._base + address)
+        if self._base:
+            self._check_fault("read", self._base + address)
+        return value
 
     def _write(self, address: int, value: int) -> None:
         self._transport.write(self._base + address, value)
+        self._check_fault(f"write of {value:#x}", self._base + address)
+
+    def _check_fault(self, what: str, address: int) -> None:
+        """Raise if the last fault was at this address; clears `fault` first."""
+        fault = register_map().word("fault")
+        found = self._transport.read(fault.address)
+        *flags, place = fault.fields
+        kinds = [flag for flag in flags if found & flag.mask]
+        if kinds and (found & place.mask) >> place.lsb == address:
+            self._transport.write(fault.address, sum(flag.mask for flag in kinds))
+            raise BusError(f"{what} at {address:#06x}: {'; '.join(flag.meaning for flag in kinds)}")
 
 
 class _Value(ABC):

@@ -68,6 +68,7 @@ def test_a_board_tests_itself_tells_its_records_and_answers_its_host(name: str) 
 def test_a_full_board_refuses_what_its_map_refuses() -> None:
     with powered(SimulatedBoard(BOARDS["ulx3s"])) as host:
         host.records(5)
+        host.write(0x20, 4)  # control: answer with SLVERR
         with pytest.raises(BusError, match=r"read at 0x0ffc: the hardware refuses it"):
             host.read(0x0FFC)
         with pytest.raises(BusError, match=f"write of 0x7 at {slot_address(0, 'mode'):#06x}: the hardware refuses it"):

@@ -61,9 +61,9 @@ def test_beats_that_are_cut_or_beyond_the_sensor_are_skipped_and_counted(device:
     assert device.sim.io.n_skipped == 3
 
 
-def test_an_event_takes_3_clocks_and_one_can_come_every_clock(device: StreamDevice) -> None:
+def test_an_event_takes_2_clocks_and_one_can_come_every_clock(device: StreamDevice) -> None:
     run = device.run({INPUT.prefix: beats(pack_events(*np.zeros((4, 20), np.int64)))})
-    assert set((run.given[OUTPUT.prefix] - run.accepted[INPUT.prefix]).tolist()) == {3}
+    assert set((run.given[OUTPUT.prefix] - run.accepted[INPUT.prefix]).tolist()) == {2}
     assert set(np.diff(run.accepted[INPUT.prefix]).tolist()) == {1}
 
 

@@ -44,7 +44,6 @@ SHAPE, SENSOR = BUILD.shape, BUILD.filter_shape
 STATUS, CONTROL, FAULT = address_of("status"), address_of("control"), address_of("fault")
 SETTLED = poll(STATUS, 2, 0)
 CLAMPED, REFUSED, LOCKED, UNMAPPED = 1, 2, 4, 8
-SLVERR = 2
 CONFIG = MotionConfig(SHAPE, QUICK, filter_shape=SENSOR)
 BANK_OF = {name: bank for bank, registers in MOTION_BANKS.items() for name in registers}
 
@@ -72,9 +71,9 @@ def fault(device: TopDevice) -> tuple[int, int]:
 
 
 def refuses(device: TopDevice, address: int, value: int) -> bool:
-    """Whether a write is answered with an error; nobody takes an output meanwhile."""
-    done = device.run(commands=[write(address, value)], quiet_clocks=1, take_outputs=False)
-    return bool(done.commands["response"][0] == SLVERR)
+    """Whether `fault` records a write; nobody takes an output meanwhile."""
+    device.write(address, value)
+    return bool(device.read(FAULT) & 15)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -179,10 +178,11 @@ def test_each_register_clamps_what_is_illegal_and_a_flag_refuses() -> None:
 
 def test_of_a_slot_there_is_mode_alone_and_it_has_no_fixed_start() -> None:
     device = device_of("motion", CONFIG)
-    known = {word.address for word in register_map().words}
+    known = {word.address for word in register_map().words if "SOURCES_32[1]" not in word.built}
     known |= {slot_address(slot, name) for slot in range(SHAPE.n_slots) for name in ("mode", "commit")}
     known |= {filter_address(name) for name in (*register_map().banks["filter"].registers, "commit")}
     known |= {bank_address(bank, name) for bank, registers in MOTION_BANKS.items() for name in (*registers, "commit")}
+    device.write(CONTROL, 4)  # answer with SLVERR
     found = device.run(commands=[read(address) for address in range(0, 1 << register_map().address_w, 4)]).commands
     assert {4 * i for i, response in enumerate(found["response"]) if not response} == known
     assert fault(device)[0] == UNMAPPED
@@ -220,7 +220,7 @@ def test_registers_by_name() -> None:
     device.run(commands=[SETTLED])
     assert (registers.motion.side_max, registers.tracks.join_px, registers.commits) == (20, 7, 1)  # both waited
     registers.motion.seed_px = 11
-    with pytest.raises(BusError, match="write at 0x02fc"):
+    with pytest.raises(BusError, match="write of 0x1 at 0x02fc: a value was refused"):
         registers.motion.commit()
     with pytest.raises(ConfigError, match=r"gap_share = 16: must be an integer from 1 to 15 \(a bin with at most"):
         registers.tracks.gap_share = 16

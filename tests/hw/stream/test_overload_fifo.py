@@ -89,6 +89,20 @@ class TestStories:
         assert run.words["m_"][:, :3].tolist() == [[9, 0, 0]]
         assert run.given["m_"] - run.accepted["s_"] == 7
 
+    @pytest.mark.parametrize("drop_enable", [0, 1])
+    def test_time_passes_without_tokens_and_while_an_event_waits(self, drop_enable: int) -> None:
+        device = device_of(3, 8, 16, drop_enable=drop_enable)
+        device.stalls = {"m_": np.array([0] * 60 + [1] * 940, np.uint8)}
+        device.set(s_time=1)
+        first = device.run({"s_": [[0, 1, 0, k, 0, 0] for k in range(20)]}, clocks=200)
+        device.set(s_time=0)
+        rest = device.run({}, clocks=100)
+        decoded = decode_tokens(np.concatenate([first.words["m_"], rest.words["m_"]]))
+        number = decoded.events[:, 2]
+        assert np.array_equal(decoded.at, first.accepted["s_"][number] + 1)
+        assert decoded.ticks == 200
+        assert (len(number) == 20) == (not drop_enable)
+
     def test_without_drop_enable_the_source_waits(self) -> None:
         device = device_of(3, 8, 16, drop_enable=0)
         device.stalls = {"m_": np.array([0] * 50 + [1] * 50, np.uint8)}
