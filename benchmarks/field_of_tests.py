@@ -47,7 +47,7 @@ from field.table import Scored, by_family, picture, print_differences, print_fam
 from field.traffic import traffic
 
 _FINALS = FOLDER / "finals.json"  # which seed sets have been used for a last table
-_ORACLE, _REMOT = "oracle", "REMOT"  # not trackers that could be started on any recording
+_ORACLE, _REMOT = "oracle", "remot"  # not trackers that could be started on any recording
 
 
 def main() -> int:
@@ -64,6 +64,10 @@ def main() -> int:
         if options.leave_out is not None and len(sources) < 2:
             raise ConfigError(f"--leave-out {options.leave_out}: must have families of two sources at least")
         before = None if options.against is None else _kept(options.against)
+        if options.draws < 0:
+            raise ConfigError(f"--draws {options.draws}: must be at least 0")
+        if options.keep is not None and options.keep.exists():
+            raise ConfigError(f"--keep {options.keep}: must be a file that does not exist yet")
         if options.final is not None:
             _use_once(options.final, options.seed_set)
     except ConfigError as error:
@@ -108,9 +112,9 @@ def _contenders(options: argparse.Namespace) -> list[Contender]:
     if options.vary:
         return [varied_default(options.vary)]
     chosen = contenders(options.trackers)
-    if not chosen and _ORACLE not in options.trackers:
-        names = ", ".join(one.name for one in contenders())
-        raise ConfigError(f"--trackers {' '.join(options.trackers)}: must be some of {names}, {_ORACLE}")
+    if not chosen and not {_ORACLE, _REMOT} & set(options.trackers):
+        names = ", ".join((*(one.name for one in contenders()), _ORACLE, _REMOT))
+        raise ConfigError(f"--trackers {' '.join(options.trackers)}: must be some of {names}")
     return chosen
 
 
@@ -308,7 +312,7 @@ def _last(
 
 def _remot(options: argparse.Namespace) -> list[Scored]:
     """REMOT's published output, on the one recording that it is of."""
-    if not _asked("remot", options):
+    if not _asked(_REMOT, options):
         return []
     try:
         member = traffic()
