@@ -13,7 +13,7 @@
 //             is being copied, and 8 for a commit of motion, which compares registers: 64 at most. In the 32 clocks for each bank
 //             after reset, in which the shadow is filled, accesses wait. A write of `mask` is refused until the filters are
 //             cleared after a reset, since it would be lost.
-// Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
+// Reset:      every register at its reset value; the shadow has the default configuration, with all slots off. core_rst clears the interrupt events,
 //             and marks every mode as written.
 // Throughput: one access at a time, a read or a write.
 // Stall:      an access waits as above, never for an event.
@@ -307,7 +307,7 @@ module axi_lite_regs #(
     wire [REG_W-1:0]  fill_word = fill[REG_W-1:0];
     wire fills_lives  = MOTION != 0 && fill_bank == LIVES;
     wire fills_motion = fills_lives || (MOTION != 0 && fill_bank == BOXES);
-    wire [31:0] first = (fill_bank == FILTERS) ? filter_low(fill_word)
+    wire [31:0] first = (fill_bank == FILTERS) ? filter_start(fill_word)
                       : fills_motion ? motion_start({fills_lives, fill_word}) : slot_low(fill_word);
 
     // A commit of motion reads the registers that it compares: of each pair first the one that must not be more.

@@ -263,44 +263,74 @@ function motion_refuses(input [`EVCOT_MREG_W-1:0] word);
     motion_refuses = word == `EVCOT_MREG_KEEP_OLDER;
 endfunction
 
-// The values of motion after reset.
+// Values after reset.
+function [31:0] filter_start(input [`EVCOT_FREG_W-1:0] word);
+    case (word)
+        `EVCOT_FREG_ENABLE: filter_start = 32'd24;
+        `EVCOT_FREG_REGION_X1: filter_start = 32'd65535;
+        `EVCOT_FREG_REGION_Y1: filter_start = 32'd65535;
+        `EVCOT_FREG_POLARITY: filter_start = 32'd1;
+        `EVCOT_FREG_REFRACTORY_TICKS: filter_start = (32'd1000 > 32'hffffffff >> (33 - STAMP_W)) ? 32'd1 : 32'd1000;
+        `EVCOT_FREG_ACTIVITY_TICKS: filter_start = (32'd40000 > 32'hffffffff >> (33 - STAMP_W)) ? 32'd0 : 32'd40000;
+        `EVCOT_FREG_RECENT_TICKS: filter_start = (32'd0 > 32'hffffffff >> (33 - STAMP_W)) ? 32'd0 : 32'd0;
+        `EVCOT_FREG_RECENT_RADIUS: filter_start = 32'd4;
+        `EVCOT_FREG_RECENT_SUPPORT: filter_start = 32'd1;
+        `EVCOT_FREG_DECAY_RATE: filter_start = 32'd1;
+        `EVCOT_FREG_DECAY_EPSILON: filter_start = 32'd26;
+        `EVCOT_FREG_DECAY_SUPPORT: filter_start = 32'd256;
+        `EVCOT_FREG_ROWCOL_TICKS: filter_start = (32'd0 > 32'hffffffff >> (33 - STAMP_W)) ? 32'd0 : 32'd0;
+        `EVCOT_FREG_ROWCOL_RADIUS: filter_start = 32'd1;
+        `EVCOT_FREG_ROWCOL_SUPPORT: filter_start = 32'd1;
+        `EVCOT_FREG_STAMP_SHIFT: filter_start = 32'd7;
+        `EVCOT_FREG_NOISE_LOG2: filter_start = 32'd14;
+        `EVCOT_FREG_NOISE_2: filter_start = 32'd84;
+        `EVCOT_FREG_NOISE_3: filter_start = 32'd239;
+        `EVCOT_FREG_NOISE_4: filter_start = 32'd454;
+        `EVCOT_FREG_NOISE_5: filter_start = 32'd716;
+        `EVCOT_FREG_NOISE_6: filter_start = 32'd1013;
+        default: filter_start = 32'd0;
+    endcase
+endfunction
+
 function [31:0] motion_start(input [`EVCOT_MREG_W-1:0] word);
     case (word)
-        `EVCOT_MREG_STEP_LOG2: motion_start = 32'd10;
+        `EVCOT_MREG_STEP_LOG2: motion_start = 32'd12;
         `EVCOT_MREG_SIDE_STEP: motion_start = 32'd1024;
         `EVCOT_MREG_SIDE_SHARE: motion_start = 32'd4;
-        `EVCOT_MREG_SIDE_SHRINK: motion_start = 32'd5;
+        `EVCOT_MREG_SIDE_SHRINK: motion_start = 32'd4;
         `EVCOT_MREG_SIDE_MAX: motion_start = 32'd160;
         `EVCOT_MREG_GAIN_LOG2: motion_start = 32'd4;
-        `EVCOT_MREG_GAIN_SLOW: motion_start = 32'd2;
+        `EVCOT_MREG_GAIN_FAST: motion_start = 32'd2;
         `EVCOT_MREG_SETTLE: motion_start = 32'd8;
         `EVCOT_MREG_SPEED_MAX: motion_start = 32'd32767;
-        `EVCOT_MREG_FRICTION: motion_start = 32'd7;
+        `EVCOT_MREG_FRICTION: motion_start = 32'd5;
+        `EVCOT_MREG_COAST_SLOW: motion_start = 32'd2;
         `EVCOT_MREG_NEV_LOW: motion_start = 32'd8;
-        `EVCOT_MREG_NEV_HIGH: motion_start = 32'd256;
+        `EVCOT_MREG_NEV_HIGH: motion_start = 32'd325;
         `EVCOT_MREG_SEED_PX: motion_start = 32'd4;
         `EVCOT_MREG_RING_PX: motion_start = 32'd2;
-        `EVCOT_MREG_RING_MAX: motion_start = 32'd24;
+        `EVCOT_MREG_RING_MAX: motion_start = 32'd21;
         `EVCOT_MREG_RING_ACROSS: motion_start = 32'd1;
         `EVCOT_MREG_RING_ALONG: motion_start = 32'd1;
-        `EVCOT_MREG_RING_ANY: motion_start = 32'd1;
-        `EVCOT_MREG_ELONGATION: motion_start = 32'd2;
-        `EVCOT_MREG_DETECT_TICKS: motion_start = 32'd10000;
-        `EVCOT_MREG_LIFE_LOG2: motion_start = 32'd3;
-        `EVCOT_MREG_LIFE_TICKS: motion_start = 32'd20000;
-        `EVCOT_MREG_COAST_TICKS: motion_start = 32'd100000;
-        `EVCOT_MREG_BIRTH_SUPPORT: motion_start = 32'd200;
-        `EVCOT_MREG_BIRTH_PX: motion_start = 32'd4;
-        `EVCOT_MREG_BIRTH_TICKS: motion_start = 32'd10000;
-        `EVCOT_MREG_BIRTH_TRAVEL: motion_start = 32'd1;
-        `EVCOT_MREG_GAP_CORRECTIONS: motion_start = 32'd16;
-        `EVCOT_MREG_GAP_SHARE: motion_start = 32'd7;
-        `EVCOT_MREG_GAP_PX: motion_start = 32'd2;
-        `EVCOT_MREG_JOIN_STEPS: motion_start = 32'd10;
+        `EVCOT_MREG_RING_ANY: motion_start = 32'd2;
+        `EVCOT_MREG_ELONGATION: motion_start = 32'd3;
+        `EVCOT_MREG_DETECT_TICKS: motion_start = 32'd7521;
+        `EVCOT_MREG_LIFE_LOG2: motion_start = 32'd2;
+        `EVCOT_MREG_LIFE_TICKS: motion_start = 32'd40000;
+        `EVCOT_MREG_COAST_TICKS: motion_start = 32'd93951;
+        `EVCOT_MREG_RETURN_TICKS: motion_start = 32'd500000;
+        `EVCOT_MREG_BIRTH_SUPPORT: motion_start = 32'd260;
+        `EVCOT_MREG_BIRTH_PX: motion_start = 32'd2;
+        `EVCOT_MREG_BIRTH_TICKS: motion_start = 32'd12000;
+        `EVCOT_MREG_BIRTH_TRAVEL: motion_start = 32'd2;
+        `EVCOT_MREG_GAP_CORRECTIONS: motion_start = 32'd15;
+        `EVCOT_MREG_GAP_SHARE: motion_start = 32'd9;
+        `EVCOT_MREG_GAP_PX: motion_start = 32'd3;
+        `EVCOT_MREG_JOIN_STEPS: motion_start = 32'd2;
         `EVCOT_MREG_JOIN_LIFE: motion_start = 32'd3;
         `EVCOT_MREG_JOIN_SPEED: motion_start = 32'd1;
-        `EVCOT_MREG_JOIN_PX: motion_start = 32'd2;
-        `EVCOT_MREG_REPORT_STEPS: motion_start = 32'd4;
+        `EVCOT_MREG_JOIN_PX: motion_start = 32'd3;
+        `EVCOT_MREG_REPORT_STEPS: motion_start = 32'd1;
         default: motion_start = 32'd0;
     endcase
 endfunction

@@ -23,7 +23,7 @@ from .contract import (
 from .noise import thresholds
 from .registers import FilterRegisters
 
-__all__ = ["FILTER_RANGES", "FilterConfig"]
+__all__ = ["DEFAULT_FILTERS", "FILTER_RANGES", "FilterConfig"]
 
 _NOISE_WINDOW_US = 1 << 14
 
@@ -223,3 +223,7 @@ def _addresses(value: object, count: int, where: str, names: str) -> tuple[int, 
     if isinstance(value, list | tuple) and len(value) == count and all(type(v) is int and 0 <= v <= 65535 for v in value):
         return tuple(value)
     raise ConfigError(f"{where} {value!r}: must be [{names}], each from 0 to 65535")
+
+
+DEFAULT_FILTERS = FilterConfig(refractory_us=1_000, activity_us=40_000, activity_noise_hz=0.03, cell_px=1)
+"""The filters of the default configuration; `evcot_top` has their registers after reset."""

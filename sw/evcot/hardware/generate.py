@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ConfigError, EvcotError
+from ..filters.config import DEFAULT_FILTERS
 from ..filters.contract import (
     CLOCK_FRAC,
     FILTER_REGISTERS,
@@ -148,12 +149,24 @@ def _bank_legal(bank: str, name: str, register: Listed) -> str:
     return f"{register.low} to {high}" + (", else refused" if name in register_map().banks[bank].refuse else "")
 
 
+def _start(name: str, register: Listed) -> int:
+    """The value after reset: that of the default configuration; of a slot's register the lowest legal one."""
+    if isinstance(register, FilterRegister):
+        return 0 if name == "mask" else int(getattr(DEFAULT_FILTERS.registers(1), name))
+    return register.start if isinstance(register, MotionRegister) else register.low
+
+
+def _verilog_start(name: str, register: Listed) -> str:
+    """The value after reset as a Verilog expression; the lowest legal value where time stamps are too short for it."""
+    start = f"32'd{_start(name, register)}"
+    if register.high is None and isinstance(register, FilterRegister):
+        return f"({start} > {_verilog_high(register)}) ? 32'd{register.low} : {start}"
+    return start
+
+
 def _limits(code: str, registers: Mapping[str, Listed], refuse: Sequence[str]) -> dict[str, Any]:
     """Limits of one kind of bank in Verilog."""
-    rows = [
-        (name, entry.low, _verilog_high(entry), entry.start if isinstance(entry, MotionRegister) else entry.low)
-        for name, entry in registers.items()
-    ]
+    rows = [(name, entry.low, _verilog_high(entry), _verilog_start(name, entry)) for name, entry in registers.items()]
     return {"code": code, "rows": rows, "refuse": refuse}
 
 
@@ -182,6 +195,7 @@ def _vocabulary() -> dict[str, Any]:
             "motion": _limits("MREG", motion, [name for bank in MOTION_BANKS for name in banks[bank].refuse]),
         },
         "low_w": max(entry.low for bank in banks.values() for entry in bank.registers.values()).bit_length() or 1,
+        "start": _start,
         "checked": checked,
         "flaws": _flaws,
         "refusing": [f"bad_{word.port(field)}" for word, field in checked if field.allowed],

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..errors import ConfigError, meant
-from ..filters.config import FilterConfig
+from ..filters.config import DEFAULT_FILTERS, FilterConfig
 from ..hardware.config import CotConfig, MotionConfig, SlotConfig, with_module
 from ..hardware.contract import Shape
 from ..hardware.modules import DEFAULT_MODULE, Module
@@ -102,7 +102,7 @@ def _discs() -> RunConfig:
 MOTION = RunConfig(
     "motion",
     MotionConfig(Shape(n_slots=16)),
-    filters=FilterConfig(refractory_us=1_000, activity_us=40_000, activity_noise_hz=0.03, cell_px=1),
+    filters=DEFAULT_FILTERS,
     software="adaptive",
     software_filters=FilterConfig(),
 )
