@@ -139,6 +139,7 @@ module motion_events #(
     reg  [SLOT_W-1:0]  op_slot_1, op_slot_2, op_slot_3;
     reg  [3:0]         bin_1, bin_2, bin_3, bin_4, bin_5, bin_6, bin_7;
     reg  signed [PX_W-1:0] lo_x, hi_x, lo_y, hi_y;
+    reg                asked;            // for an event, or by a motion step
     wire [N-1:0]       box_x, box_y, window_x, window_y;
     wire               owned_4, begins_4, shared_4;
     wire [SLOT_W-1:0]  slot_4;
@@ -155,6 +156,7 @@ module motion_events #(
         .SLOT_W(SLOT_W)
     ) u_match (
         .clk       (clk),
+        .asked     (asked),
         .lo_x      (lo_x),
         .hi_x      (hi_x),
         .lo_y      (lo_y),
@@ -206,6 +208,7 @@ module motion_events #(
         bin_7     <= bin_6;
         {lo_x, hi_x} <= {2{{{(PX_W - X_W) {1'b0}}, s_x}}};
         {lo_y, hi_y} <= {2{{{(PX_W - Y_W) {1'b0}}, s_y}}};
+        asked <= s_valid || ask;
         if (ask) {lo_x, hi_x, lo_y, hi_y} <= ask_for;
         if (rst) begin
             valid <= 6'd0;

@@ -32,23 +32,18 @@ module motion_lives #(
     output reg  [N-1:0]      settled
 );
 
-    wire ends = appear || lapse;  // the candidate, if it is one
+    wire         ends  = appear || lapse;  // the candidate, if it is one
+    wire [N-1:0] one   = {{(N - 1) {1'b0}}, 1'b1};
+    wire [N-1:0] here  = one << at;
+    wire [N-1:0] comes = begins ? one << begins_slot : {N{1'b0}};
 
-    genvar i;
-    generate
-        for (i = 0; i < N; i = i + 1) begin : g_slot
-            wire here  = at == i[SLOT_W-1:0];
-            wire comes = begins && begins_slot == i[SLOT_W-1:0];
-
-            always @(posedge clk) begin
-                if (here && ends) visible[i] <= appear;
-                if (comes || (here && ends)) candidate[i] <= !(here && ends);
-                if (here && (seed || lapse)) left[i] <= lapse && leave;
-                if (here && (seed || settle)) settled[i] <= settle;
-                if (rst) {visible[i], candidate[i], left[i], settled[i]} <= 4'd0;
-            end
-        end
-    endgenerate
+    always @(posedge clk) begin
+        candidate <= (candidate | comes) & ~(ends ? here : {N{1'b0}});
+        if (ends) visible <= appear ? visible | here : visible & ~here;
+        if (seed || lapse) left <= lapse && leave ? left | here : left & ~here;
+        if (seed || settle) settled <= settle ? settled | here : settled & ~here;
+        if (rst) {visible, candidate, left, settled} <= {(4 * N) {1'b0}};
+    end
 
 endmodule
 

@@ -18,6 +18,7 @@ module motion_match #(
 ) (
     input  wire              clk,
 
+    input  wire              asked,       // low: the answers do not count, and a simulator need not find them
     input  wire signed [PX_W-1:0] lo_x,
     input  wire signed [PX_W-1:0] hi_x,
     input  wire signed [PX_W-1:0] lo_y,
@@ -50,35 +51,53 @@ module motion_match #(
     input  wire [4*PX_W-1:0] window
 );
 
-    genvar i;
-    generate
-        for (i = 0; i < N; i = i + 1) begin : g_slot
-            reg signed [PX_W-1:0] box_lo_x, box_hi_x, box_lo_y, box_hi_y;
-            reg signed [PX_W-1:0] win_lo_x, win_hi_x, win_lo_y, win_hi_y;
+    (* mem2reg *) reg signed [PX_W-1:0] box_lo_x [0:N-1];
+    (* mem2reg *) reg signed [PX_W-1:0] box_hi_x [0:N-1];
+    (* mem2reg *) reg signed [PX_W-1:0] box_lo_y [0:N-1];
+    (* mem2reg *) reg signed [PX_W-1:0] box_hi_y [0:N-1];
+    (* mem2reg *) reg signed [PX_W-1:0] win_lo_x [0:N-1];
+    (* mem2reg *) reg signed [PX_W-1:0] win_hi_x [0:N-1];
+    (* mem2reg *) reg signed [PX_W-1:0] win_lo_y [0:N-1];
+    (* mem2reg *) reg signed [PX_W-1:0] win_hi_y [0:N-1];
 
-            // Negative where the interval does not reach the bound: one carry chain each.
-            wire [PX_W:0] to_box_x = {hi_x[PX_W-1], hi_x} - {box_lo_x[PX_W-1], box_lo_x};
-            wire [PX_W:0] in_box_x = {box_hi_x[PX_W-1], box_hi_x} - {lo_x[PX_W-1], lo_x};
-            wire [PX_W:0] to_box_y = {hi_y[PX_W-1], hi_y} - {box_lo_y[PX_W-1], box_lo_y};
-            wire [PX_W:0] in_box_y = {box_hi_y[PX_W-1], box_hi_y} - {lo_y[PX_W-1], lo_y};
-            wire [PX_W:0] to_win_x = {hi_x[PX_W-1], hi_x} - {win_lo_x[PX_W-1], win_lo_x};
-            wire [PX_W:0] in_win_x = {win_hi_x[PX_W-1], win_hi_x} - {lo_x[PX_W-1], lo_x};
-            wire [PX_W:0] to_win_y = {hi_y[PX_W-1], hi_y} - {win_lo_y[PX_W-1], win_lo_y};
-            wire [PX_W:0] in_win_y = {win_hi_y[PX_W-1], win_hi_y} - {lo_y[PX_W-1], lo_y};
-            wire unused = &{1'b0, to_box_x, in_box_x, to_box_y, in_box_y, to_win_x, in_win_x, to_win_y, in_win_y};
-
-            always @(posedge clk) begin
-                if (place && place_slot == i[SLOT_W-1:0]) begin
-                    {box_lo_x, box_hi_x, box_lo_y, box_hi_y} <= box;
-                    {win_lo_x, win_hi_x, win_lo_y, win_hi_y} <= window;
-                end
-                box_x[i]    <= !to_box_x[PX_W] && !in_box_x[PX_W];
-                box_y[i]    <= !to_box_y[PX_W] && !in_box_y[PX_W];
-                window_x[i] <= !to_win_x[PX_W] && !in_win_x[PX_W];
-                window_y[i] <= !to_win_y[PX_W] && !in_win_y[PX_W];
-            end
+    always @(posedge clk)
+        if (place) begin
+            {box_lo_x[place_slot], box_hi_x[place_slot], box_lo_y[place_slot], box_hi_y[place_slot]} <= box;
+            {win_lo_x[place_slot], win_hi_x[place_slot], win_lo_y[place_slot], win_hi_y[place_slot]} <= window;
         end
-    endgenerate
+
+    // Negative where the interval does not reach a bound: one carry chain each.
+    function touch;
+        input signed [PX_W-1:0] low, high, first, last;
+        reg   signed [PX_W:0]   reaches, begins_before;
+        begin
+            reaches       = {high[PX_W-1], high} - {first[PX_W-1], first};
+            begins_before = {last[PX_W-1], last} - {low[PX_W-1], low};
+            touch         = !reaches[PX_W] && !begins_before[PX_W];
+        end
+    endfunction
+
+    reg [N-1:0] on_box_x, on_box_y, on_window_x, on_window_y;
+
+    always @* begin : compare
+        integer i;
+        i = 0;
+        {on_box_x, on_box_y, on_window_x, on_window_y} = {(4 * N) {1'bx}};
+        if (asked)
+            for (i = 0; i < N; i = i + 1) begin
+                on_box_x[i]    = touch(lo_x, hi_x, box_lo_x[i], box_hi_x[i]);
+                on_box_y[i]    = touch(lo_y, hi_y, box_lo_y[i], box_hi_y[i]);
+                on_window_x[i] = touch(lo_x, hi_x, win_lo_x[i], win_hi_x[i]);
+                on_window_y[i] = touch(lo_y, hi_y, win_lo_y[i], win_hi_y[i]);
+            end
+    end
+
+    always @(posedge clk) begin
+        box_x    <= on_box_x;
+        box_y    <= on_box_y;
+        window_x <= on_window_x;
+        window_y <= on_window_y;
+    end
 
     // Of the kind that decides.
     reg  [N-1:0]      among;

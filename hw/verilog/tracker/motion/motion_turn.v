@@ -133,19 +133,15 @@ module motion_turn #(
         wrote_seeded <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
     end
 
-    genvar i;
-    generate
-        for (i = 0; i < N; i = i + 1) begin : g_slot
-            wire writes = wrote && wrote_slot == i[SLOT_W-1:0];
-            wire ends   = ends_life && end_slot == i[SLOT_W-1:0];
+    wire [N-1:0] one    = {{(N - 1) {1'b0}}, 1'b1};
+    wire [N-1:0] writes = wrote ? one << wrote_slot : {N{1'b0}};
+    wire [N-1:0] ends   = ends_life ? one << end_slot : {N{1'b0}};
 
-            always @(posedge clk) begin
-                if (writes) seeded[i] <= wrote_seeded;
-                if (writes || ends) restart[i] <= writes;
-                if (rst) {seeded[i], restart[i]} <= 2'b00;
-            end
-        end
-    endgenerate
+    always @(posedge clk) begin
+        seeded  <= wrote_seeded ? seeded | writes : seeded & ~writes;
+        restart <= (restart & ~ends) | writes;
+        if (rst) {seeded, restart} <= {(2 * N) {1'b0}};
+    end
 
     always @(posedge clk) begin
         bubble   <= (takes_op && op_writes) || takes_put;

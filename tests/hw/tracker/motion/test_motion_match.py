@@ -64,6 +64,7 @@ def test_random_events(n: int, slot_w: int) -> None:
         x, y = int(rng.integers(32)), int(rng.integers(16))
         io.is_op = int(rng.random() < 0.1)
         io.op_slot = int(rng.integers(n))
+        io.asked = 1
         io.lo_x = io.hi_x = x
         io.lo_y = io.hi_y = y
         for _clock in range(3):
@@ -91,6 +92,7 @@ def test_intervals() -> None:
         io.window = packed((low[0] - 3, high[0] + 3, low[1] - 2, high[1] + 2))
         sim.clock.tick()
         io.place = 0
+        io.asked = 1
         begins = [int(side) for side in rng.integers(-80, 80, 2)]
         ends = [side + int(rng.integers(30)) for side in begins]
         io.lo_x, io.lo_y = (side % (1 << PX_W) for side in begins)
