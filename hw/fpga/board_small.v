@@ -269,6 +269,9 @@ module board_small #(
     ) u_records (
         .clk          (clk),
         .rst          (rst),
+        .s_rst        (rst),
+        .packet_records(16'd1),
+        .packet_wait  (16'd0),
         .s_cm_valid   (cm_valid),
         .s_cm_ready   (cm_ready),
         .s_cm_kind    (cm_kind),

@@ -200,6 +200,13 @@
 /* commits applied since reset */
 #define EVCOT_COMMITS 0x05Cu
 
+/* packets of `m_axis_records`: where tlast is 1 */
+#define EVCOT_PACKET 0x060u
+#define EVCOT_PACKET_RECORDS_SHIFT 0u
+#define EVCOT_PACKET_RECORDS_MASK 0x0000FFFFu /* rw: records per packet */
+#define EVCOT_PACKET_WAIT_SHIFT 16u
+#define EVCOT_PACKET_WAIT_MASK 0xFFFF0000u /* rw: if not 0, a packet also ends 256 clocks times this value after its first record; the last beat of a record then waits for the next record or that time */
+
 /* events received from the source: = events_dropped + events + those in the input FIFO */
 #define EVCOT_EVENTS_IN 0x080u
 

@@ -34,9 +34,9 @@ def test_it_passes_in_icarus(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("file", "right", "wrong", "says"),
     [
-        ("axis_records_out.v", "bytes[`EVCOT_RECORD_SUPPORT_LSB +: SUP_W] = support;", "", "FAIL support"),
+        ("axis_records_out.v", "bytes[`EVCOT_RECORD_SUPPORT_LSB +: SUP_W] = s_cm_support;", "", "FAIL support"),
         ("axis_passed_out.v", "assign m_axis_tdata = word;", "assign m_axis_tdata = word << 1;", "FAIL passed.x"),
-        ("axi_lite_words.v", "({32{at_id}} & id)", "({32{at_id}} & ~id)", "FAIL id"),
+        ("axi_lite_words.v", "table_reg[31:0] <= id;", "table_reg[31:0] <= ~id;", "FAIL id"),
     ],
 )  # fmt: skip
 def test_it_notices_what_is_broken(tmp_path: Path, file: str, right: str, wrong: str, says: str) -> None:

@@ -151,6 +151,10 @@ module axi_lite_words #(
     // 05c: commits applied since reset
     input  wire [31:0] commits,
 
+    // 060: packets of `m_axis_records`: where tlast is 1
+    output reg  [15:0] packet_records,
+    output reg  [15:0] packet_wait,
+
     // 080: events received from the source: = events_dropped + events + those in the input FIFO
     input  wire [31:0] events_in,
 
@@ -204,6 +208,7 @@ module axi_lite_words #(
     reg at_commit_seq_low;
     reg at_commit_seq_high;
     reg at_commits;
+    reg at_packet;
     reg at_events_in;
     reg at_events_dropped;
     reg at_malformed;
@@ -232,6 +237,7 @@ module axi_lite_words #(
         at_commit_seq_low <= word == 12'h015;
         at_commit_seq_high <= word == 12'h016;
         at_commits <= word == 12'h017;
+        at_packet <= word == 12'h018;
         at_events_in <= word == 12'h020;
         at_events_dropped <= word == 12'h021;
         at_malformed <= word == 12'h022;
@@ -285,6 +291,8 @@ module axi_lite_words #(
     localparam [15:0] TOP_LFSR_Y_SPAN = {16{1'b1}} >> (16 - Y_W);
     wire        more_lfsr_y_span = {1'b0, new_lfsr_y_span} > {1'b0, TOP_LFSR_Y_SPAN};
     reg over_lfsr_y_span;
+    wire [15:0] new_packet_records = data[15:0];
+    reg under_packet_records;
 
     always @(posedge clk) begin
         bad_source_select <= at_source && !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
@@ -299,6 +307,7 @@ module axi_lite_words #(
         over_lfsr_x_span <= at_lfsr_x && more_lfsr_x_span;
         over_lfsr_y_min <= at_lfsr_y && more_lfsr_y_min;
         over_lfsr_y_span <= at_lfsr_y && more_lfsr_y_span;
+        under_packet_records <= at_packet && new_packet_records == 16'd0;
     end
 
     assign refused = bad_source_select || bad_source_clock_time;
@@ -311,7 +320,8 @@ module axi_lite_words #(
                      over_lfsr_x_min ||
                      over_lfsr_x_span ||
                      over_lfsr_y_min ||
-                     over_lfsr_y_span;
+                     over_lfsr_y_span ||
+                     under_packet_records;
 
     // ---- read data ---------------------------------------------------------------------------------------------------
 
@@ -406,6 +416,8 @@ module axi_lite_words #(
         held[31:0] = held[31:0] | ({32{at_commit_seq_low}} & commit_seq_low);
         held[15:0] = held[15:0] | ({16{at_commit_seq_high}} & commit_seq_high);
         held[31:0] = held[31:0] | ({32{at_commits}} & commits);
+        held[15:0] = held[15:0] | ({16{at_packet}} & packet_records);
+        held[31:16] = held[31:16] | ({16{at_packet}} & packet_wait);
         held[31:0] = held[31:0] | ({32{at_events_in}} & events_in);
         held[31:0] = held[31:0] | ({32{at_events_dropped}} & events_dropped);
         held[31:0] = held[31:0] | ({32{at_malformed}} & malformed);
@@ -438,6 +450,7 @@ module axi_lite_words #(
                     at_commit_seq_low ||
                     at_commit_seq_high ||
                     at_commits ||
+                    at_packet ||
                     at_events_in ||
                     at_events_dropped ||
                     at_malformed ||
@@ -458,7 +471,8 @@ module axi_lite_words #(
                     at_lfsr_y ||
                     at_fault ||
                     at_irq_enable ||
-                    at_irq_clear;
+                    at_irq_clear ||
+                    at_packet;
     end
 
     // ---- writes ------------------------------------------------------------------------------------------------------
@@ -520,6 +534,10 @@ module axi_lite_words #(
             if (at_irq_clear) begin
                 irq_clear <= data[4:0];
             end
+            if (at_packet) begin
+                packet_records <= under_packet_records ? 16'd1 : new_packet_records;
+                packet_wait <= data[31:16];
+            end
         end
         if (rst) begin
             control_enable <= 1'd0;
@@ -548,6 +566,8 @@ module axi_lite_words #(
             fault_unmapped_clear <= 1'd0;
             irq_enable <= 5'd0;
             irq_clear <= 5'd0;
+            packet_records <= 16'd1;
+            packet_wait <= 16'd0;
         end
     end
 

@@ -2,12 +2,18 @@
 // Records to AXI4-Stream: EVCOT_RECORD_* in evcot_regs.vh, which is contract.RECORD byte for byte, little-endian; with MOTION
 // EVCOT_MOTION_RECORD_*, motion.contract.MOTION_RECORD.
 //
-// A record takes EVCOT_RECORD_W / DATA_W beats, rounded up; tlast marks the last one, in which tkeep is 0 for the bytes
-// beyond the record. Fields are padded with zeros, signed ones with their sign. What a record does not have is not read.
+// A record takes EVCOT_RECORD_W / DATA_W beats, rounded up. In the last one, tkeep is 0 for the bytes beyond the record. Fields are
+// padded with zeros, signed ones with their sign. What a record does not have is not read. Records enter the queue, which is for
+// block RAM, beat by beat while they wait at s_cm_.
 //
-// Latency:    2 clocks to the first beat.
-// Stall:      up to DEPTH records are queued while the output stalls; then m_cm_ready is de-asserted.
-// Reset:      empty; a record that is being sent is truncated.
+// Packets: tlast ends every `packet_records`-th record. If `packet_wait` is not 0, tlast also ends the first record that leaves when
+// packet_wait x 256 clocks have passed since the packet's first record. For this, the last beat of a record waits until the next
+// record, or that time, has come.
+//
+// Latency:    as many clocks as a record has beats until it is accepted, then 3 clocks to the first beat.
+// Stall:      up to DEPTH records are queued while the output stalls, and one waits at s_cm_.
+// Reset:      rst: empty; a record that is being sent is truncated. s_rst: the source of records starts again; a record that has not
+//             been accepted is left out.
 // Combinational paths: none.
 // Throughput: a beat per clock.
 `default_nettype none
@@ -30,6 +36,10 @@ module axis_records_out #(
 ) (
     input  wire                clk,
     input  wire                rst,
+    input  wire                s_rst,
+
+    input  wire [15:0]         packet_records,  // records in a packet, at least 1
+    input  wire [15:0]         packet_wait,     // 256 clocks after which a packet ends, or 0
 
     input  wire                s_cm_valid,
     output wire                s_cm_ready,
@@ -62,8 +72,6 @@ module axis_records_out #(
     parameter_check #(.OK(DEPTH >= 1)) DEPTH_must_be_at_least_1 ();
 
     localparam RECORD_W = (MOTION != 0) ? `EVCOT_MOTION_RECORD_W : `EVCOT_RECORD_W;
-    localparam BOX_W  = (MOTION != 0) ? 2 * SIDE_W + 32 : RADIUS_W;  // bits of a box and its velocity, or of a radius
-    localparam W      = 2 + SLOT_W + 2 * ID_W + X_W + Y_W + BOX_W + NEV_W + SUP_W + SEQ_W + TIME_W;
     localparam BEATS  = (RECORD_W + DATA_W - 1) / DATA_W;
     localparam BEAT_W = $clog2(BEATS);
     localparam [31:0] LAST  = BEATS - 1;
@@ -71,112 +79,160 @@ module axis_records_out #(
     localparam [DATA_W/8-1:0] ALL  = {(DATA_W / 8) {1'b1}};
     localparam [DATA_W/8-1:0] SOME = ALL >> (DATA_W / 8 - BYTES);
 
-    wire valid, ready, last;
-    wire [1:0]          kind;
-    wire [SLOT_W-1:0]   slot;
-    wire [ID_W-1:0]     id, other;
-    wire [X_W-1:0]      x;
-    wire [Y_W-1:0]      y;
-    wire [BOX_W-1:0]    s_box, box;
-    wire [NEV_W-1:0]    n_ev;
-    wire [SUP_W-1:0]    support;
-    wire [SEQ_W-1:0]    seq;
-    wire [TIME_W-1:0]   time_;
-    wire [$clog2(DEPTH+1)-1:0] level;
-
-    reg [BEAT_W-1:0] beat;
-    assign last = beat == LAST[BEAT_W-1:0];
-
-    fifo #(
-        .W    (W),
-        .DEPTH(DEPTH)
-    ) u_records (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(s_cm_valid),
-        .s_ready(s_cm_ready),
-        .s_data ({s_cm_kind, s_cm_slot, s_cm_id, s_cm_other, s_cm_x, s_cm_y, s_box, s_cm_n_ev, s_cm_support, s_cm_seq,
-                  s_cm_time}),
-        .m_valid(valid),
-        .m_ready(ready && last),
-        .m_data ({kind, slot, id, other, x, y, box, n_ev, support, seq, time_}),
-        .level  (level)
-    );
-
-    // ---- the record as bytes, then beat by beat ----------------------------------------------------------------------
+    // ---- the record as bytes -----------------------------------------------------------------------------------------
 
     reg [BEATS*DATA_W-1:0] bytes;
 
     generate
         if (MOTION != 0) begin : g_motion
-            assign s_box = {s_cm_width, s_cm_height, s_cm_v_x, s_cm_v_y};
-
             always @* begin
                 bytes = {(BEATS * DATA_W) {1'b0}};
-                bytes[`EVCOT_MOTION_RECORD_SEQ_LSB +: SEQ_W]        = seq;
-                bytes[`EVCOT_MOTION_RECORD_TIME_LSB +: TIME_W]      = time_;
-                bytes[`EVCOT_MOTION_RECORD_TRACK_ID_LSB +: ID_W]    = id;
-                bytes[`EVCOT_MOTION_RECORD_OTHER_ID_LSB +: ID_W]    = other;
-                bytes[`EVCOT_MOTION_RECORD_CM_X_LSB +: 32]          = {{(32 - X_W) {x[X_W-1]}}, x};
-                bytes[`EVCOT_MOTION_RECORD_CM_Y_LSB +: 32]          = {{(32 - Y_W) {y[Y_W-1]}}, y};
-                bytes[`EVCOT_MOTION_RECORD_WIDTH_LSB +: SIDE_W]     = box[SIDE_W+32 +: SIDE_W];
-                bytes[`EVCOT_MOTION_RECORD_HEIGHT_LSB +: SIDE_W]    = box[32 +: SIDE_W];
-                bytes[`EVCOT_MOTION_RECORD_V_X_LSB +: 16]           = box[16 +: 16];
-                bytes[`EVCOT_MOTION_RECORD_V_Y_LSB +: 16]           = box[0 +: 16];
-                bytes[`EVCOT_MOTION_RECORD_SUPPORT_LSB +: SUP_W]    = support;
-                bytes[`EVCOT_MOTION_RECORD_N_EV_LSB +: NEV_W]       = n_ev;
-                bytes[`EVCOT_MOTION_RECORD_SLOT_LSB +: SLOT_W]      = slot;
-                bytes[`EVCOT_MOTION_RECORD_KIND_LSB +: 2]           = kind;
+                bytes[`EVCOT_MOTION_RECORD_SEQ_LSB +: SEQ_W]        = s_cm_seq;
+                bytes[`EVCOT_MOTION_RECORD_TIME_LSB +: TIME_W]      = s_cm_time;
+                bytes[`EVCOT_MOTION_RECORD_TRACK_ID_LSB +: ID_W]    = s_cm_id;
+                bytes[`EVCOT_MOTION_RECORD_OTHER_ID_LSB +: ID_W]    = s_cm_other;
+                bytes[`EVCOT_MOTION_RECORD_CM_X_LSB +: 32]          = {{(32 - X_W) {s_cm_x[X_W-1]}}, s_cm_x};
+                bytes[`EVCOT_MOTION_RECORD_CM_Y_LSB +: 32]          = {{(32 - Y_W) {s_cm_y[Y_W-1]}}, s_cm_y};
+                bytes[`EVCOT_MOTION_RECORD_WIDTH_LSB +: SIDE_W]     = s_cm_width;
+                bytes[`EVCOT_MOTION_RECORD_HEIGHT_LSB +: SIDE_W]    = s_cm_height;
+                bytes[`EVCOT_MOTION_RECORD_V_X_LSB +: 16]           = s_cm_v_x;
+                bytes[`EVCOT_MOTION_RECORD_V_Y_LSB +: 16]           = s_cm_v_y;
+                bytes[`EVCOT_MOTION_RECORD_SUPPORT_LSB +: SUP_W]    = s_cm_support;
+                bytes[`EVCOT_MOTION_RECORD_N_EV_LSB +: NEV_W]       = s_cm_n_ev;
+                bytes[`EVCOT_MOTION_RECORD_SLOT_LSB +: SLOT_W]      = s_cm_slot;
+                bytes[`EVCOT_MOTION_RECORD_KIND_LSB +: 2]           = s_cm_kind;
             end
 
             wire unused = &{1'b0, s_cm_radius};
         end else begin : g_radius
-            assign s_box = s_cm_radius;
-
             always @* begin
                 bytes = {(BEATS * DATA_W) {1'b0}};
-                bytes[`EVCOT_RECORD_SEQ_LSB +: SEQ_W]         = seq;
-                bytes[`EVCOT_RECORD_TIME_LSB +: TIME_W]       = time_;
-                bytes[`EVCOT_RECORD_TRACK_ID_LSB +: ID_W]     = id;
-                bytes[`EVCOT_RECORD_OTHER_ID_LSB +: ID_W]     = other;
-                bytes[`EVCOT_RECORD_CM_X_LSB +: X_W]          = x;
-                bytes[`EVCOT_RECORD_CM_Y_LSB +: Y_W]          = y;
-                bytes[`EVCOT_RECORD_SUPPORT_LSB +: SUP_W]     = support;
-                bytes[`EVCOT_RECORD_RADIUS_LSB +: RADIUS_W]   = box;
-                bytes[`EVCOT_RECORD_N_EV_LSB +: NEV_W]        = n_ev;
-                bytes[`EVCOT_RECORD_SLOT_LSB +: SLOT_W]       = slot;
-                bytes[`EVCOT_RECORD_KIND_LSB +: 2]            = kind;
+                bytes[`EVCOT_RECORD_SEQ_LSB +: SEQ_W]         = s_cm_seq;
+                bytes[`EVCOT_RECORD_TIME_LSB +: TIME_W]       = s_cm_time;
+                bytes[`EVCOT_RECORD_TRACK_ID_LSB +: ID_W]     = s_cm_id;
+                bytes[`EVCOT_RECORD_OTHER_ID_LSB +: ID_W]     = s_cm_other;
+                bytes[`EVCOT_RECORD_CM_X_LSB +: X_W]          = s_cm_x;
+                bytes[`EVCOT_RECORD_CM_Y_LSB +: Y_W]          = s_cm_y;
+                bytes[`EVCOT_RECORD_SUPPORT_LSB +: SUP_W]     = s_cm_support;
+                bytes[`EVCOT_RECORD_RADIUS_LSB +: RADIUS_W]   = s_cm_radius;
+                bytes[`EVCOT_RECORD_N_EV_LSB +: NEV_W]        = s_cm_n_ev;
+                bytes[`EVCOT_RECORD_SLOT_LSB +: SLOT_W]       = s_cm_slot;
+                bytes[`EVCOT_RECORD_KIND_LSB +: 2]            = s_cm_kind;
             end
 
             wire unused = &{1'b0, s_cm_width, s_cm_height, s_cm_v_x, s_cm_v_y};
         end
     endgenerate
 
+    // ---- into the memory, beat by beat -------------------------------------------------------------------------------
+
+    localparam RECORD_NO_W = (DEPTH > 1) ? $clog2(DEPTH) : 1;
+    localparam LEVEL_W     = $clog2(DEPTH + 1);
+    localparam [31:0] LAST_RECORD = DEPTH - 1, FULL = DEPTH;
+
+    reg  [RECORD_NO_W-1:0] to, from;  // records that are written and read
+    reg  [BEAT_W-1:0]      beat_in, beat_out;
+    reg  [LEVEL_W-1:0]     level;     // records that are whole in the memory, until their last beat is read
+    wire                   full     = level == FULL[LEVEL_W-1:0];
+    wire                   last_in  = beat_in == LAST[BEAT_W-1:0];
+    wire                   last_out = beat_out == LAST[BEAT_W-1:0];
+    wire                   put      = s_cm_valid && !full;
+    wire                   came     = put && last_in;
+    wire                   get, left;
+
+    reg                          write;
+    reg [RECORD_NO_W+BEAT_W-1:0] write_to;
+    reg [DATA_W-1:0]             write_data;
+
+    assign s_cm_ready = last_in && !full;
+
     always @(posedge clk) begin
-        if (valid && ready) beat <= last ? {BEAT_W{1'b0}} : beat + 1'b1;
-        if (rst) beat <= {BEAT_W{1'b0}};
-    end
-
-    reg              m_valid_reg, last_reg;
-    reg [DATA_W-1:0] data_reg;
-
-    // One register and not a skid buffer: nothing leads on from tready but to the queue, and a choice less stands behind its memory.
-    assign ready = m_axis_tready || !m_valid_reg;
-
-    always @(posedge clk) begin
-        if (ready) begin
-            m_valid_reg <= valid;
-            last_reg    <= last;
-            data_reg    <= bytes[beat*DATA_W +: DATA_W];
+        write      <= put;
+        write_to   <= {to, beat_in};
+        write_data <= bytes[beat_in*DATA_W +: DATA_W];
+        if (put) beat_in <= last_in ? {BEAT_W{1'b0}} : beat_in + 1'b1;
+        if (came) to <= (to == LAST_RECORD[RECORD_NO_W-1:0]) ? {RECORD_NO_W{1'b0}} : to + 1'b1;
+        if (get) beat_out <= last_out ? {BEAT_W{1'b0}} : beat_out + 1'b1;
+        if (left) from <= (from == LAST_RECORD[RECORD_NO_W-1:0]) ? {RECORD_NO_W{1'b0}} : from + 1'b1;
+        if (came != left) level <= level + (left ? {LEVEL_W{1'b1}} : {{(LEVEL_W - 1) {1'b0}}, 1'b1});
+        if (s_rst) beat_in <= {BEAT_W{1'b0}};
+        if (rst) begin
+            write    <= 1'b0;
+            to       <= {RECORD_NO_W{1'b0}};
+            from     <= {RECORD_NO_W{1'b0}};
+            beat_in  <= {BEAT_W{1'b0}};
+            beat_out <= {BEAT_W{1'b0}};
+            level    <= {LEVEL_W{1'b0}};
         end
-        if (rst) m_valid_reg <= 1'b0;
     end
 
-    assign m_axis_tvalid = m_valid_reg;
-    assign m_axis_tdata  = data_reg;
-    assign m_axis_tlast  = last_reg;
-    assign m_axis_tkeep  = last_reg ? SOME : ALL;
-    assign idle          = level == 0 && !m_valid_reg;
+    // ---- and out of it -----------------------------------------------------------------------------------------------
+
+    reg  ram_valid, ram_last;  // of the beat in the memory's first register
+    reg  out_valid, out_last;  // in its second
+    reg  holds;                // the last beat of a record waits: does it end its packet?
+    reg  tlast;
+    wire moves = (m_axis_tready && !holds) || !out_valid;
+    wire reads = moves || !ram_valid;
+
+    assign get  = level != {LEVEL_W{1'b0}} && reads;
+    assign left = get && last_out;
+
+    block_memory #(
+        .W    (DATA_W),
+        .DEPTH(((DEPTH > 1) ? DEPTH : 2) << BEAT_W)
+    ) u_memory (
+        .clk          (clk),
+        .write        (write),
+        .write_address(write_to),
+        .write_data   (write_data),
+        .read_enable  (reads),
+        .read_address ({from, beat_out}),
+        .out_enable   (moves),
+        .read_data    (m_axis_tdata)
+    );
+
+    // ---- packets -----------------------------------------------------------------------------------------------------
+
+    reg  [15:0] records;  // that the packet has
+    reg  [23:0] clocks;   // until it ends
+    reg         expired;
+    wire        ends   = records + 16'd1 >= packet_records || expired;
+    wire        leaves = moves && ram_valid && ram_last;
+
+    always @(posedge clk) begin
+        if (reads) begin
+            ram_valid <= get;
+            ram_last  <= last_out;
+        end
+        if (moves) begin
+            out_valid <= ram_valid;
+            out_last  <= ram_last;
+            tlast     <= ram_last && ends;
+            holds     <= leaves && !ends && packet_wait != 16'd0 && !get;
+        end
+        if (holds) begin
+            if (ram_valid || expired || packet_wait == 16'd0) holds <= 1'b0;
+            if (!ram_valid && expired) tlast <= 1'b1;
+        end
+
+        // A packet begins with the record that leaves.
+        if (leaves) records <= ends ? 16'd0 : records + 16'd1;
+        if (records == 16'd0) clocks <= {packet_wait, 8'd0};
+        else clocks <= clocks - 1'b1;
+        expired <= records != 16'd0 && packet_wait != 16'd0 && (expired || clocks == 24'd0);
+        if (holds && !ram_valid && expired) records <= 16'd0;
+
+        if (rst) begin
+            {ram_valid, out_valid, holds, expired} <= 4'b0000;
+            records <= 16'd0;
+        end
+    end
+
+    assign m_axis_tvalid = out_valid && !holds;
+    assign m_axis_tlast  = tlast;
+    assign m_axis_tkeep  = out_last ? SOME : ALL;
+    assign idle          = level == {LEVEL_W{1'b0}} && !ram_valid && !out_valid;
 
 endmodule
 

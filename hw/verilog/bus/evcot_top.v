@@ -8,7 +8,8 @@
 // Registers and the words of all streams: docs/registers.md. After reset SOURCE is selected, slots and filters are off and
 // the gate is closed: write the registers of a slot, commit them, set control.enable.
 //
-// Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 12 clocks, 11 without TICKS,
+// Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 12 clocks, 11 without
+//          the divider, as many as a record has beats,
 //          those of the filters that are built, and those of the tracker: those of cot_array or cot_motion, or 6 in the first of
 //          cot_chain.
 // Throughput: an event per clock, where source, filters and trackers keep up.
@@ -143,6 +144,7 @@ module evcot_top #(
     wire [31:0]       cfg_data, filter_cfg_data;
     wire [15:0]       held;
     wire [31:0]       n_in, n_dropped, n_malformed, n_backward;
+    wire [15:0]       packet_records, packet_wait;
     reg               all_idle;
     reg  [31:0]       n_filtered, n_owned, n_passed, n_records, n_stalls;
     reg  [`EVCOT_IRQ_COMMIT-1:0] happened;
@@ -206,6 +208,8 @@ module evcot_top #(
         .tick_us         (new_tick_us),
         .prescale_tick   (new_prescale_tick),
         .prescale_us     (new_prescale_us),
+        .packet_records  (packet_records),
+        .packet_wait     (packet_wait),
         .lfsr_seed       (new_seed),
         .lfsr_gap        (new_gap),
         .lfsr_x_min      (new_x_min),
@@ -470,6 +474,9 @@ module evcot_top #(
     ) u_records (
         .clk          (clk),
         .rst          (rst),
+        .s_rst        (core_rst),
+        .packet_records(packet_records),
+        .packet_wait  (packet_wait),
         .s_cm_valid   (cm_valid),
         .s_cm_ready   (cm_ready),
         .s_cm_kind    (cm_kind),

@@ -15,7 +15,7 @@
 // Stall:      a token is held until accepted; with drop what does not fit is dropped and counted. A source that is not selected accepts
 //             nothing.
 // Reset:      becomes empty; the AER handshake continues, unless aer_rst is high.
-// Combinational paths: rst -> s_axis_tready; active_low -> aer_ack.
+// Combinational paths: rst, drop -> s_axis_tready; active_low -> aer_ack.
 `default_nettype none
 `include "evcot_regs.vh"
 

@@ -166,6 +166,14 @@ class _IrqStatus(Group):
     commit = Bits("irq_status", "commit")
 
 
+class _Packet(Group):
+    """Packets of `m_axis_records`: where tlast is 1."""
+
+    __slots__ = ()
+    records = Bits("packet", "records")
+    wait = Bits("packet", "wait")
+
+
 class _Slot(Group):
     """The registers of one tracker slot."""
 
@@ -336,6 +344,7 @@ class Registers(Group):
         "lfsr_x",
         "lfsr_y",
         "memory",
+        "packet",
         "prescale",
         "sensor",
         "shape0",
@@ -396,6 +405,7 @@ class Registers(Group):
         self.status = _Status(transport, 0, *shapes)
         self.fault = _Fault(transport, 0, *shapes)
         self.irq_status = _IrqStatus(transport, 0, *shapes)
+        self.packet = _Packet(transport, 0, *shapes)
         self.slot = tuple(
             _Slot(transport, 0x2000 + 128 * i, *shapes) for i in range(self.shape.n_slots)
         )

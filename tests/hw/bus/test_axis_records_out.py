@@ -21,12 +21,13 @@ OF_RECORD = {"id": "track_id", "other": "other_id", "x": "cm_x", "y": "cm_y"}
 INPUT = Bundle("s_cm_", tuple(FIELDS))
 
 
-def device_of(width: int, depth: int = 4, *, motion: bool = False) -> StreamDevice:
+def device_of(width: int, depth: int = 4, *, motion: bool = False, packet: int = 1, wait: int = 0) -> StreamDevice:
     """Beats of up to 64 bits: wider ones are seen by evcot_top's own drive."""
     outputs = [Bundle("m_axis_t", ("data", "keep", "last"))]
     parameters = {"DATA_W": width, "DEPTH": depth} | ({"MOTION": 1, "X_W": 25, "Y_W": 25} if motion else {})
     given = Bundle("s_cm_", tuple(OF_MOTION)) if motion else INPUT
-    return StreamDevice("axis_records_out", parameters, inputs=[given], outputs=outputs, has_idle=True)
+    ports = {"packet_records": packet, "packet_wait": wait}
+    return StreamDevice("axis_records_out", parameters, inputs=[given], outputs=outputs, ports=ports, has_idle=True)
 
 
 def random_records(rng: np.random.Generator, n: int, *, motion: bool = False) -> tuple[NDArray[np.uint64], NDArray[np.void]]:
@@ -42,13 +43,13 @@ def random_records(rng: np.random.Generator, n: int, *, motion: bool = False) ->
     return words, records
 
 
-def joined(run: StreamRun, width: int, record: np.dtype[np.void] = RECORD) -> NDArray[np.void]:
-    """The bytes that tkeep lets stand, as records."""
+def joined(run: StreamRun, width: int, record: np.dtype[np.void] = RECORD, packet: int = 1) -> NDArray[np.void]:
+    """The bytes that tkeep lets stand, as records, in packets of so many."""
     beats = run.words["m_axis_t"]
     data = beats[:, 0].astype(f"<u{width // 8}").view(np.uint8).reshape(len(beats), width // 8)
     keep = np.unpackbits(beats[:, 1].astype(np.uint8)[:, None], axis=1, bitorder="little")[:, : width // 8].astype(bool)
-    per_record = -(-8 * record.itemsize // width)
-    assert beats[:, 2].tolist() == [int(i % per_record == per_record - 1) for i in range(len(beats))]
+    length = packet * -(-8 * record.itemsize // width)
+    assert beats[:, 2].tolist() == [int(i % length == length - 1) for i in range(len(beats))]
     return np.frombuffer(data[keep].tobytes(), record)
 
 
@@ -63,10 +64,46 @@ def test_records_come_out_byte_for_byte_at_any_pace(width: int, motion: bool) ->
         assert np.array_equal(joined(device.run({INPUT.prefix: words}), width, records.dtype), records)
 
 
-def test_a_record_takes_2_clocks_to_its_first_beat_and_then_a_beat_per_clock() -> None:
+@pytest.mark.parametrize(("packet", "wait"), [(3, 0), (7, 60_000), (500, 0)])
+def test_tlast_ends_packets_of_so_many_records(packet: int, wait: int) -> None:
+    device = device_of(64, packet=packet, wait=wait)
+    rng = np.random.default_rng([6, packet])
+    device.stalls = random_stalls(rng, [INPUT.prefix, "m_axis_t"])
+    words, records = random_records(rng, 42 * packet if packet < 100 else packet)
+    assert np.array_equal(joined(device.run({INPUT.prefix: words}), 64, packet=packet), records)
+
+
+def test_a_packet_ends_when_its_time_is_over() -> None:
+    """The last beat of a record waits for the next record, or for the end of the time."""
+    device = device_of(64, packet=100, wait=2)
+    words = random_records(np.random.default_rng(1), 5)[0]
+    two = device.run({INPUT.prefix: words[:2]})
+    assert two.words["m_axis_t"][:, 2].tolist() == [0] * 11 + [1]
+    given = two.given["m_axis_t"]
+    assert given[5] - given[4] == 1  # the second record is there
+    assert 512 - 20 < given[11] - given[5] < 512 + 20
+    three = device.run({INPUT.prefix: words[2:]})
+    assert three.words["m_axis_t"][:, 2].tolist() == [0] * 17 + [1]
+
+
+def test_a_record_that_is_not_accepted_before_the_source_starts_again_is_left_out() -> None:
+    device = device_of(64)
+    sim, io = device.sim, device.sim.io
+    io.s_cm_valid, io.s_cm_seq = 1, 1
+    for _ in range(3):
+        sim.clock.tick()
+    assert io.s_cm_ready == 0
+    io.s_cm_valid, io.s_rst = 0, 1
+    sim.clock.tick()
+    io.s_rst = 0
+    words, records = random_records(np.random.default_rng(1), 3)
+    assert np.array_equal(joined(device.run({INPUT.prefix: words}), 64), records)
+
+
+def test_a_record_takes_3_clocks_to_its_first_beat_and_then_a_beat_per_clock() -> None:
     device = device_of(64)
     run = device.run({INPUT.prefix: random_records(np.random.default_rng(1), 3)[0]})
-    assert run.given["m_axis_t"][0] - run.accepted[INPUT.prefix][0] == 2
+    assert run.given["m_axis_t"][0] - run.accepted[INPUT.prefix][0] == 3
     assert set(np.diff(run.given["m_axis_t"]).tolist()) == {1}
 
 
@@ -81,9 +118,10 @@ def test_is_idle_when_the_last_beat_has_gone() -> None:
     sim = device_of(64).sim
     io = sim.io
     io.s_cm_valid, io.m_axis_tready = 1, 1
-    sim.clock.tick()
+    for _ in range(6):
+        sim.clock.tick()
     io.s_cm_valid = 0
-    for _ in range(6):  # 2 clocks to the first of 6 beats
+    for _ in range(7):  # 3 clocks to the first of 6 beats
         sim.clock.tick()
     io.m_axis_tready = 0
     for _ in range(3):
