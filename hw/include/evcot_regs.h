@@ -327,8 +327,8 @@
 #define EVCOT_TRACKS_JOIN_STEPS 0x0334u /* steps for which two slots must move together before they merge */
 #define EVCOT_TRACKS_JOIN_LIFE 0x0338u /* and 2^-join_life of the younger's life */
 #define EVCOT_TRACKS_JOIN_SPEED 0x033Cu /* together: velocities differ by at most 2^-join_speed of the larger */
-#define EVCOT_TRACKS_JOIN_REACH 0x0340u /* one object: a gap along the motion of at most 2^-join_reach of the width */
-#define EVCOT_TRACKS_JOIN_PX 0x0344u /* one object: a gap of so many px otherwise */
+#define EVCOT_TRACKS_JOIN_REACH 0x0340u /* one object: a gap along the motion of at most 2^-join_reach of the width, and join_px */
+#define EVCOT_TRACKS_JOIN_PX 0x0344u /* one object: a gap of at most so many px */
 #define EVCOT_TRACKS_KEEP_OLDER 0x0348u /* of two that merge stays 0: the one with more support; 1: the one that was seeded first */
 #define EVCOT_TRACKS_REPORT_STEPS 0x034Cu /* steps after which a slot without a correction is reported */
 #define EVCOT_TRACKS_COMMIT 0x037Cu

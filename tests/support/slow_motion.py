@@ -272,7 +272,7 @@ class Slot:
         abreast = [gaps[i] <= -(min(sides[0][i], sides[1][i]) // 2) for i in (0, 1)]
         near = [r.join_px, r.join_px]
         ahead = 1 if abs(leader.axes[1].v) >= abs(leader.axes[0].v) else 0
-        near[ahead] = max(sides[0][1 - ahead], sides[1][1 - ahead]) >> r.join_reach
+        near[ahead] += max(sides[0][1 - ahead], sides[1][1 - ahead]) >> r.join_reach
         return any(abreast[i] and gaps[1 - i] <= near[1 - i] for i in (0, 1))
 
     def unite(self, other: Slot, support_max: int) -> None:

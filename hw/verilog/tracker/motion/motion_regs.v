@@ -114,9 +114,9 @@ module motion_regs (
             if (writes[`EVCOT_MREG_JOIN_LIFE]) regs[`MOTION_JOIN_LIFE] <= data[3:0];
             // 0 to 8: together: velocities differ by at most 2^-join_speed of the larger
             if (writes[`EVCOT_MREG_JOIN_SPEED]) regs[`MOTION_JOIN_SPEED] <= data[3:0];
-            // 0 to 8: one object: a gap along the motion of at most 2^-join_reach of the width
+            // 0 to 8: one object: a gap along the motion of at most 2^-join_reach of the width, and join_px
             if (writes[`EVCOT_MREG_JOIN_REACH]) regs[`MOTION_JOIN_REACH] <= data[3:0];
-            // 0 to 255: one object: a gap of so many px otherwise
+            // 0 to 255: one object: a gap of at most so many px
             if (writes[`EVCOT_MREG_JOIN_PX]) regs[`MOTION_JOIN_PX] <= data[7:0];
             // 0 to 1: of two that merge stays 0: the one with more support; 1: the one that was seeded first
             if (writes[`EVCOT_MREG_KEEP_OLDER]) regs[`MOTION_KEEP_OLDER] <= data[0:0];

@@ -109,9 +109,9 @@ def _one_object(s: Table, r: Table, i: int, j: int) -> bool:
     near_x = r[JOIN_PX]
     near_y = r[JOIN_PX]
     if abs(s[faster, V_Y]) >= abs(s[faster, V_X]):
-        near_y = max(width_i, width_j) >> r[JOIN_REACH]
+        near_y += max(width_i, width_j) >> r[JOIN_REACH]
     else:
-        near_x = max(height_i, height_j) >> r[JOIN_REACH]
+        near_x += max(height_i, height_j) >> r[JOIN_REACH]
     return bool((abreast_x and gap_y <= near_y) or (abreast_y and gap_x <= near_x))
 
 

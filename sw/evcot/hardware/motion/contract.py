@@ -67,8 +67,8 @@ MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
         "join_steps": (1, 1023, "steps for which two slots must move together before they merge"),
         "join_life": (0, 15, "and 2^-join_life of the younger's life"),
         "join_speed": (0, 8, "together: velocities differ by at most 2^-join_speed of the larger"),
-        "join_reach": (0, 8, "one object: a gap along the motion of at most 2^-join_reach of the width"),
-        "join_px": (0, 255, "one object: a gap of so many px otherwise"),
+        "join_reach": (0, 8, "one object: a gap along the motion of at most 2^-join_reach of the width, and join_px"),
+        "join_px": (0, 255, "one object: a gap of at most so many px"),
         "keep_older": (0, 1, "of two that merge stays 0: the one with more support; 1: the one that was seeded first"),
         "report_steps": (1, 1023, "steps after which a slot without a correction is reported"),
     }
