@@ -80,6 +80,21 @@ def test_the_number_of_a_window_wraps() -> None:
     assert np.array_equal(device.stream(events), model.feed(events))
 
 
+def test_a_level_saturates() -> None:
+    """Of six cells, in windows of one tick, five have an event of one pixel, and in every eighth tick the last has none."""
+    device = device_of(29, 22, 20)
+    model = model_of(device, registers_of(6, [60_000] * 5))
+    ticks = np.repeat(np.arange(400), 8)
+    x, y = np.tile([1, 2, 1, 10, 18, 4, 12, 20], 400), np.tile([1, 1, 2, 4, 4, 12, 12, 12], 400)
+    there = (x != 20) | (ticks % 8 > 0)
+    events = ticked(ticks[there], x[there], y[there])
+    keep = device.stream(events)
+    assert np.array_equal(keep, model.feed(events))
+    assert model.noise is not None
+    assert (model.noise.level, model.noise.support) == (65_535, 6)
+    assert 0 < model.noise.state[7] < 256 // 4, "empty cells, on the mean"
+
+
 def test_a_fixed_support_holds_and_nothing_is_measured() -> None:
     device = device_of(64, 48)
     registers = FilterRegisters(enable=ACTIVITY, activity_support=2, activity_ticks=300)
