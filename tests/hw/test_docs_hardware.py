@@ -50,7 +50,7 @@ def modules() -> str:
 
 def test_what_a_parameter_means_is_said_of_no_port(modules: str) -> None:
     """clk and rst stand right behind the parameters, without a word of their own."""
-    assert "| `clk`" not in modules
+    assert "\n| `clk`" not in modules
 
 
 def test_the_recorded_costs_stand_in_it(modules: str) -> None:

@@ -37,6 +37,7 @@ LIMITS: Mapping[str, tuple[int, int]] = {
     **{PARAMETERS[name]: (low, high) for name, (low, high, _) in SHAPE_RANGES.items()},
     **{name.upper(): (low, high) for name, (low, high, _) in FILTER_SHAPE_RANGES.items()},
     "HAS": (0, (1 << len(Filter)) - 1),
+    "TICKS": (0, 3),
     "SOURCES": (1, (1 << len(register_map().sources)) - 1),
     "FIFO_DEPTH": (1, 16_384),
     "RECORD_DEPTH": (1, 16_384),

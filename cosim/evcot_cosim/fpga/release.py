@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import evcot
@@ -35,9 +36,22 @@ def release_text(verilog: Path | None = None) -> str:
     return _HEADER.format(version=evcot.__version__, count=len(names)) + flat(names, verilog, comments=True)
 
 
-def _papers(root: Path) -> tuple[Path, ...]:
-    """Files for users of the registers, besides the RTL."""
-    return root / "LICENSE", root / "docs" / "registers.md", root / "hw" / "include" / "evcot_regs.h"
+_PAGES = ("hardware.md", "registers.md", "motion.md")
+_LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)#]+)(#[^)]*)?\)")
+
+
+def _papers(root: Path) -> dict[str, bytes]:
+    """Files for users of the hardware, besides the RTL. Links of a page to what is not in the release become text."""
+    files = {path.name: path.read_bytes() for path in (root / "LICENSE", root / "hw" / "include" / "evcot_regs.h")}
+
+    def link(found: re.Match[str]) -> str:
+        image, text, target, _ = found.groups()
+        if image:
+            files[target] = (root / "docs" / target).read_bytes()
+        return found[0] if image or target in _PAGES or "://" in target else text
+
+    pages = {name: _LINK.sub(link, (root / "docs" / name).read_text(encoding="utf-8")).encode() for name in _PAGES}
+    return files | pages
 
 
 def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
@@ -49,8 +63,8 @@ def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
     text = release_text(verilog).encode()
     files = {"evcot.v": text}
     boards = (verilog or verilog_dir()).parent / "fpga"
-    for path in (*sorted((boards / "constraints").iterdir()), *_papers(boards.parents[1])):
-        files[path.name] = path.read_bytes()
+    files |= {path.name: path.read_bytes() for path in sorted((boards / "constraints").iterdir())}
+    files |= _papers(boards.parents[1])
     for path in sorted((boards / "ecp5").iterdir()):
         files[f"ecp5/{path.name}"] = path.read_bytes()
     for folder_name in ("examples", "scripts"):

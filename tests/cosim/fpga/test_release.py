@@ -63,7 +63,11 @@ def test_the_one_file_lints_clean_for_each_top(tmp_path: Path) -> None:
 
 def test_a_release_has_its_files(tmp_path: Path) -> None:
     files = {str(path.relative_to(tmp_path)) for path in write_release(tmp_path)}
-    assert {"evcot.v", "evcot.sdc", "evcot.xdc", "LICENSE", "registers.md", "evcot_regs.h"} <= files
+    assert {"evcot.v", "evcot.sdc", "evcot.xdc", "LICENSE", "evcot_regs.h"} <= files
+    assert {"hardware.md", "registers.md", "motion.md", "async_fifo.xdc", "async_fifo.sdc"} <= files
+    for page in ("hardware.md", "registers.md", "motion.md"):
+        text = (tmp_path / page).read_text()
+        assert {link for link in re.findall(r"\]\(([^)#]+)", text) if "://" not in link} <= files, page
     for top in TOPS:
         tree = ET.parse(tmp_path / "ip" / top / "component.xml")
         named = {f"ip/{top}/{file.findtext(f'{SPIRIT}name')}" for file in tree.iter(f"{SPIRIT}file")}

@@ -173,6 +173,24 @@ def test_counters_add_up_at_every_clock(shape: tuple[int, int, int]) -> None:
     assert sim.io.held == 0
 
 
+@pytest.mark.parametrize(("every", "stall"), [(1, 40), (2, 80), (5, 300)])
+def test_fifo_of_the_sizing_rule_drops_nothing(every: int, stall: int) -> None:
+    """docs/hardware.md: FIFO_DEPTH >= r * S + 4, with an event every so many clocks, and a stall of S clocks."""
+    events = stall // every
+
+    def dropped(depth: int) -> int:
+        sim = device_of(depth, 8, 16).sim
+        io = sim.io
+        for clock in range(100 + stall + 100):
+            io.s_valid, io.s_event = int(clock % every == 0), 1
+            io.m_ready = int(not 100 <= clock < 100 + stall)
+            sim.clock.tick()
+        return int(io.n_dropped)
+
+    assert dropped(events + 4) == 0
+    assert dropped(events - BEHIND - 2) > 0
+
+
 def test_clocks() -> None:
     """A token every clock, 6 clocks later."""
     device = device_of(64, 20, 40)
