@@ -5,7 +5,7 @@ python benchmarks/field_of_tests.py                       # every preset of ever
 python benchmarks/field_of_tests.py --quick               # one member a family
 python benchmarks/field_of_tests.py --trackers cot_motion --keep before.json     # before a change of the tracker
 python benchmarks/field_of_tests.py --trackers cot_motion --against before.json  # after it: paired differences and errors
-python benchmarks/field_of_tests.py --vary activity_us=20000 preset=motion       # the default with other settings, paired
+python benchmarks/field_of_tests.py --vary activity_us=20000 n_slots=32           # the default with other settings, paired
 python benchmarks/field_of_tests.py --trackers oracle     # true identity, extents of events
 python benchmarks/field_of_tests.py --leave-out 12        # with 12 more settings each: leave one family out
 python benchmarks/field_of_tests.py --leave-out 12 --final 7012   # choose on the seed set, score on one that was never used

@@ -16,7 +16,7 @@ from evcot.hardware.config import CotConfig
 from evcot.hardware.motion.contract import MOTION_RANGES
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import DEFAULT, ENGINES
-from evcot.trackers.presets import fit, for_sensor
+from evcot.trackers.presets import MOTION, fit, for_sensor
 from evcot.tracks.tracking import Tracker
 from field import peers
 
@@ -72,10 +72,10 @@ def more_settings(contender: Contender, count: int, random: np.random.Generator)
 
 
 def varied_default(words: Sequence[str]) -> Contender:
-    """The default tracker with settings that differ from its first preset, or from another, as each word says.
+    """The default tracker with settings that differ from its preset as each word says.
 
     Args:
-        words: "NAME=VALUE,NAME=VALUE": registers, `n_slots`, settings of filters; "preset=NAME": another preset.
+        words: "NAME=VALUE,NAME=VALUE": registers, `n_slots`, settings of filters.
 
     Raises:
         ConfigError: no such name, or a value that is not allowed.
@@ -85,12 +85,8 @@ def varied_default(words: Sequence[str]) -> Contender:
 
 
 def _changed_default(word: str) -> tuple[RunConfig, FilterConfig]:
-    engine = ENGINES[DEFAULT]
     values = dict(pair.partition("=")[::2] for pair in word.split(","))
-    name = values.pop("preset", next(iter(engine.presets)))
-    if name not in engine.presets:
-        raise ConfigError(f"--vary {word}: preset {name!r}: must be one of {', '.join(engine.presets)}")
-    run, filters = engine.presets[name], engine.filters[name]
+    run, filters = MOTION, MOTION.filters
     known = {**MOTION_RANGES, **FILTER_RANGES, "n_slots": (1, 32, "")}
     try:
         numbers = {key: (float if isinstance(known[key][1], float) else int)(value) for key, value in values.items()}

@@ -585,7 +585,6 @@ def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
     [
         ("--trackers nobody", "--trackers nobody: must be some of cot_motion, "),
         ("--vary moon=1", "--vary moon=1: 'moon': must be a register, "),
-        ("--vary preset=moon", "--vary preset=moon: preset 'moon': must be one of "),
         ("--vary step_log2=99", "motion.step_log2 = 99: must be an integer from 0 to 20"),
         ("--trackers frames --draws -1", "--draws -1: must be at least 0"),
         (f"--trackers frames --keep {__file__}", f"--keep {__file__}: must be a file that does not exist yet"),
