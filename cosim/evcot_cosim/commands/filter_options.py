@@ -35,7 +35,7 @@ NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
         "activity_noise_hz",
         float,
         "HZ",
-        "let so much noise pass, per pixel and second, by as many neighbours as that takes; in software only",
+        "let so much noise pass, per pixel and second, by as many neighbours as that takes; needs --cell",
     ),
     "--recent": ("recent_us", milliseconds, "MS", "keep an event if one of the last few events, at most this old, was near"),
     "--recent-radius": ("recent_radius", int, "PX", "how near (default: 4)"),

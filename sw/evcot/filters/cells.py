@@ -17,7 +17,7 @@ from ..ticks import TickedEvents
 from .activity import supporters
 from .base import NEVER, EventFilter, per_pixel
 from .contract import Filter, FilterShape
-from .noise_level import NoiseLevel, note
+from .noise_level import ENDS, NUMBER, SUPPORT, NoiseLevel, end_window, note
 from .registers import FilterRegisters
 
 __all__ = ["CellMemory", "CellsFilter", "cell_of"]
@@ -92,25 +92,36 @@ def _narrow(  # type: ignore[no-untyped-def]
     seen = rested = sent = 0
     x: Any
     y: Any
+    one = np.uint64(1)
+    across, down = np.uint64(width), np.uint64(height)
+    ends, number = state[ENDS], state[NUMBER]
+    if follows:
+        support = state[SUPPORT]
     for i in range(len(keep)):
         if not keep[i]:
             continue
         seen += 1
         keep[i] = False
-        x, y = np.int64(xs[i]), np.int64(ys[i])
-        if x >= width or y >= height:
+        x, y = np.uint64(xs[i]), np.uint64(ys[i])  # as indices that need no check for negative ones
+        if x >= across or y >= down:
             continue
+        tick = ticks[i]
         if follows:
-            support = note(words, state, rule, ticks[i], x, y)
-        row, column, here = cell_of(x, y, bits)
-        unit = ticks[i] >> shift
-        if place[row, column] == here and unit - last[row, column] < silence:
-            continue
-        rested += 1
+            if tick >= ends:
+                end_window(words, state, rule, tick)
+                ends, number, support = state[ENDS], state[NUMBER], state[SUPPORT]
+            note(words, state, number, x, y)
+        unit = tick >> shift
         if bits:
+            row, column, here = cell_of(np.int64(x), np.int64(y), bits)
+            if place[row, column] == here and unit - last[row, column] < silence:
+                continue
             keep[i] = _supporting_cells(last, place, row, column, here, unit - window) >= support
             last[row, column], place[row, column] = unit, here
         else:
+            if unit - last[y + one, x + one] < silence:
+                continue
             keep[i] = supporters(last, unit - window, unit, x, y) >= support
+        rested += 1
         sent += keep[i]
     counts += np.array([seen, rested, sent])
