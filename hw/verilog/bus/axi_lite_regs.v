@@ -245,8 +245,9 @@ module axi_lite_regs #(
     wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : is_tracks ? LIVES : BOXES;
     reg  [BANKS-1:0] pending; // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
+    reg  bank_pending;        // free-running: `pending` of the bank of an access
     reg  off_sensor;          // a pixel to mask lies outside the sensor
-    wire locked = ((shadowed || commits) && pending[bank]) || (marks && !off_sensor && !cleared);
+    wire locked = ((shadowed || commits) && bank_pending) || (marks && !off_sensor && !cleared);
 
     // ---- an access ---------------------------------------------------------------------------------------------------
 
@@ -275,6 +276,7 @@ module axi_lite_regs #(
         high    <= in_filter ? filter_high(place) : in_motion ? motion_high(motion_place) : slot_high(place);
         refuses <= in_filter ? filter_refuses(place) : in_motion ? motion_refuses(motion_place) : slot_refuses(place);
         over    <= merged > high;
+        bank_pending <= pending[bank];
         under   <= merged[31:LOW_W] == {(32 - LOW_W) {1'b0}} && merged[LOW_W-1:0] < low[LOW_W-1:0];
         fixed   <= MOTION != 0 && in_slot && !at_commit && merged == {30'd0, `EVCOT_MODE_FIXED};
 
@@ -361,8 +363,9 @@ module axi_lite_regs #(
     wire [`EVCOT_MREG_W-1:0] copied_to = {copies_lives, later_word};
     reg  ends;   // mode has come out, the last word of a bank
     wire copied_all = state == COPY && ends;
-    reg  was_busy;
-    wire committed  = was_busy && !busy;  // of banks that are copied one after the other, the last one
+    reg  was_busy, committed;  // of banks that are copied one after the other, the last one
+
+    always @(posedge clk) committed <= was_busy && !busy && !core_rst;
 
     reg  [47:0] commit_seq;
     reg  [31:0] commit_count;

@@ -8,7 +8,7 @@
 // Registers and the words of all streams: docs/registers.md. After reset SOURCE is selected, slots and filters are off and
 // the gate is closed: write the registers of a slot, commit them, set control.enable.
 //
-// Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 12 clocks, 11 without
+// Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 13 clocks, 11 without
 //          the divider, as many as a record has beats,
 //          those of the filters that are built, and those of the tracker: those of cot_array or cot_motion, or 6 in the first of
 //          cot_chain.

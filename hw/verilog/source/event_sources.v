@@ -9,13 +9,13 @@
 // which it enters the FIFO. The time of an event of the LFSR is that of its software model,
 // sw/evcot/hardware/lfsr_event_source.py: a microsecond per step. Settings may change under reset only.
 //
-// Latency:    the sum of the parts of the selected source; from a beat of `events` 9 clocks to m_, and 1 more each for a divider
-//             and for several sources.
+// Latency:    the sum of the parts of the selected source; from a beat of `events` 9 clocks to m_, 2 more for a divider,
+//             1 more for several sources.
 // Throughput: an event per clock, where source and ticks keep up.
 // Stall:      a token is held until accepted; with drop what does not fit is dropped and counted. A source that is not selected accepts
 //             nothing.
 // Reset:      becomes empty; the AER handshake continues, unless aer_rst is high.
-// Combinational paths: rst, drop -> s_axis_tready; active_low -> aer_ack.
+// Combinational paths: rst, and without a divider drop, -> s_axis_tready; active_low -> aer_ack.
 `default_nettype none
 `include "evcot_regs.vh"
 

@@ -4,12 +4,12 @@
 // t0 is the time of the first event since reset. An event whose time runs backwards is kept, with the latest time so far, and
 // counted. With `off`, every event carries 0 ticks and no time is compared.
 //
-// Latency:    1 clock from s_ to m_; 2 with DIVIDES.
+// Latency:    1 clock from s_ to m_; 3 with DIVIDES.
 // Throughput: 1 event per clock if a tick is 1 us, or while less than two ticks pass between events; T_W + 3 clocks for an event
 //             after a longer time (a division).
 // Stall:      an event is held until accepted.
 // Reset:      becomes empty; the next event sets t0.
-// Combinational paths: m_ready -> s_ready.
+// Combinational paths: none with DIVIDES; without, m_ready -> s_ready.
 `default_nettype none
 
 module stamp_ticks #(
@@ -139,7 +139,7 @@ module stamp_ticks #(
             wire [NEAR_W-1:0]    after_one  = {2'd0, rest} + less_one;
             wire                 none       = after_one[NEAR_W-1];
 
-            wire                 quotient_valid, unused_ready;
+            wire                 quotient_valid, unused_ready, counted, counted_ready;
             wire [T_W:0]         quotient;
             wire [TICK_US_W-1:0] remainder;
             reg                  dividing;
@@ -155,17 +155,28 @@ module stamp_ticks #(
                 .s_num  ({1'b0, near_passed} + {{(T_W + 1 - TICK_US_W) {1'b0}}, rest}),
                 .s_den  (tick_us),
                 .m_valid(quotient_valid),
-                .m_ready(m_ready),
+                .m_ready(counted_ready),
                 .m_quot (quotient),
                 .m_rem  (remainder)
             );
 
-            assign m_valid     = near_valid && (!divides || quotient_valid);
-            assign near_leaves = m_valid && m_ready;
-            assign m_tick      = every_us ? near_passed
-                               : quotient_valid ? quotient[T_W-1:0] : {{(T_W - 1) {1'b0}}, !none};
-            assign {m_x, m_y, m_p} = {near_x, near_y, near_p};
-            assign idle        = !since_valid && !near_valid;
+            assign counted     = near_valid && (!divides || quotient_valid);
+            assign near_leaves = counted && counted_ready;
+            assign idle        = !since_valid && !near_valid && !m_valid;
+
+            skid_buffer #(
+                .W(T_W + X_W + Y_W + 1)
+            ) u_output (
+                .clk    (clk),
+                .rst    (rst),
+                .s_valid(counted),
+                .s_ready(counted_ready),
+                .s_data ({every_us ? near_passed : quotient_valid ? quotient[T_W-1:0] : {{(T_W - 1) {1'b0}}, !none},
+                          near_x, near_y, near_p}),
+                .m_valid(m_valid),
+                .m_ready(m_ready),
+                .m_data ({m_tick, m_x, m_y, m_p})
+            );
 
             always @(posedge clk) begin
                 dividing <= divides && !near_leaves;

@@ -606,7 +606,7 @@ def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:
     print(found)
     own = re.search(r"a record after (\d+)", rtl_files()["cot_array.v"].read_text())
     assert own is not None
-    assert found == {"array behind filters": 13 + 6 + 52 + int(own[1]), "array": 12 + 2 + 2 + int(own[1]), "chain": 12 + 12 + 7}
+    assert found == {"array behind filters": 14 + 6 + 52 + int(own[1]), "array": 13 + 2 + 2 + int(own[1]), "chain": 13 + 12 + 7}
 
 
 def test_refuses_a_source_that_was_not_built() -> None:

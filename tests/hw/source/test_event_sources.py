@@ -193,8 +193,9 @@ def test_ticks_may_come_from_the_clock() -> None:
     assert np.abs(np.diff(records["time"].astype(np.int64)) - 20).max() <= 1  # 1,000 clocks and a few
 
 
-def test_idle_when_every_event_has_left_with_its_ticks() -> None:
-    sim = load("event_sources", {"SOURCES": 1 << EVENTS})
+@pytest.mark.parametrize("sources", [1 << EVENTS, 1 << EVENTS | 1 << LFSR])
+def test_idle_when_every_event_has_left_with_its_ticks(sources: int) -> None:
+    sim = load("event_sources", {"SOURCES": sources})
     io = sim.io
     io.tick_us, io.m_ready, io.s_axis_tkeep = 10, 1, 0xFF
     reset(sim)

@@ -120,7 +120,7 @@ class TestClocks:
     def test_an_event_every_clock(self, tick_us: int, gap_us: int, divides: int) -> None:
         run = device_of(tick_us, divides=divides).run({"s_": [[k * gap_us, 0, 0, 0] for k in range(100)]})
         assert set(np.diff(run.accepted["s_"])) == {1}
-        assert set(run.given["m_"] - run.accepted["s_"]) == {1 + divides}
+        assert set(run.given["m_"] - run.accepted["s_"]) == {1 + 2 * divides}
 
     def test_a_division(self) -> None:
         run = device_of(10).run({"s_": [[k * 1000, 0, 0, 0] for k in range(100)]})
