@@ -144,8 +144,8 @@ def test_the_lives_of_two_slots(stalls: bool) -> None:
     for slot in (0, 2):
         said = order.step(slot)
         assert names(said) == [
-            "op_read", "load", "load_support", "reflect", "move", "shorten", "reflect", "place", "keep_window", "ask", "op_read",
-            "compare", "part", "keep_id", "keep_now", "say", "keep", "op_store op_full op_put",
+            "op_read", "load", "load_support", "reflect", "move", "shorten", "reflect", "place", "keep_window", "ask",
+            "op_read", "compare", "part", "keep_id", "keep_now", "say", "keep", "op_store op_full op_put",
         ]  # fmt: skip
         assert [entry for entry in said if entry[0] in ("keep_id", "say")] == [("keep_id", slot), ("say", slot, Kind.BORN)]
     assert order.step(1) == []  # a free slot

@@ -126,7 +126,12 @@ class Step:
         if self.corrections[this] < 4:
             return None
         for other in range(N):
-            if other != this and self.near[this, other] and self.states[other] in ("visible", "candidate") and self.corrections[other] >= 4:
+            if (
+                other != this
+                and self.near[this, other]
+                and self.states[other] in ("visible", "candidate")
+                and self.corrections[other] >= 4
+            ):
                 self.said += [("op_read", other), ("c_compare", other)]
                 if self.alike[this, other]:
                     self.said.append(("c_pair", other))
@@ -155,7 +160,8 @@ def random_step(rng: np.random.Generator) -> Step:
     )
     return Step(
         states, corrections, flags(0.1), flags(0.5), flags(0.5), flags(0.2), flags(0.5), flags(0.5),
-        pairs(0.7), pairs(0.4), pairs(0.5), pairs(0.5), pairs(0.5), touched, returned, bool(rng.integers(2)), bool(rng.integers(2)),
+        pairs(0.7), pairs(0.4), pairs(0.5), pairs(0.5), pairs(0.5), touched, returned,
+        bool(rng.integers(2)), bool(rng.integers(2)),
     )  # fmt: skip
 
 
