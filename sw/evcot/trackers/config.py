@@ -28,6 +28,7 @@ Software = Literal["adaptive", "rct"]
 # Bits of time stamps in simulated filters; decisions are those of fewer bits. A simulation has clocks only where there are
 # events, so the walk that renews old stamps (docs/filters.md) takes clocks that a chip has between events.
 _SIMULATED_STAMP_W = 24
+_SIMULATED_CELL_STAMP_W = 32  # whole words of the simulator
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class RunConfig:
             width, height = self.sensor
         filters, shape = self.filters.registers(self.hardware.tick_us), self.filters.shape(width, height)
         filters.check(shape)
-        wide = {"cell_stamp_w": _SIMULATED_STAMP_W} if shape.cell_px else {"stamp_w": _SIMULATED_STAMP_W}
+        wide = {"cell_stamp_w": _SIMULATED_CELL_STAMP_W} if shape.cell_px else {"stamp_w": _SIMULATED_STAMP_W}
         shape = replace(shape, **wide)
         return replace(self.hardware, filters=filters, filter_shape=shape)
 

@@ -227,7 +227,12 @@ def _steps(
     before the run.
     """
     now = ticks[e]
+    changed = False
     while glob[NEXT_STEP] <= now and n + RECORDS_PER_STEP <= len(out):
+        i = glob[NEXT_SLOT]
+        if i > 0 and s[i, STATE] == FREE and glob[IN_FORCE] == NEVER:
+            _go_on(r, lim, glob, s.shape[0])
+            continue
         if not _lives(s):  # steps in which nothing happens, however many
             glob[PERIOD] = (now >> r[STEP_LOG2]) << r[STEP_LOG2]
             glob[NEXT_SLOT] = 0
@@ -237,7 +242,9 @@ def _steps(
         done = glob[SEQ] - before
         glob[SEQ] += np.searchsorted(ticks[done:e], glob[NEXT_STEP])
         n = _step(s, r, lim, glob, places, out, n)
-    renew(s, places, modes)
+        changed = True
+    if changed:
+        renew(s, places, modes)
     return n
 
 

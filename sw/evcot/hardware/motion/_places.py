@@ -102,6 +102,8 @@ def hold(s: Table, places: Table, i: int) -> None:
     for row, lo, hi, held_lo, held_hi in _BOUNDS:
         low = s[i, lo] if holds else 1
         high = s[i, hi] if holds else 0
+        if low == s[i, held_lo] and high == s[i, held_hi]:
+            continue
         _shift(places[row], s[i, held_lo], s[i, held_hi], low, high, alone(i))
         s[i, held_lo] = low
         s[i, held_hi] = high
@@ -110,7 +112,7 @@ def hold(s: Table, places: Table, i: int) -> None:
 @step
 def renew(s: Table, places: Table, modes: Table) -> None:
     """Bring the table up to date. Of those that could begin a candidate, only slots that do so by their mode."""
-    places[OF_STATE] = _NONE
+    places[OF_STATE, : LEFT + 1] = _NONE
     for i in range(s.shape[0]):
         if s[i, STATE] in (CANDIDATE, VISIBLE) or modes[i] == _SEEDED:
             places[OF_STATE, s[i, STATE]] |= alone(i)
