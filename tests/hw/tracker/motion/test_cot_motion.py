@@ -12,6 +12,7 @@ from evcot.errors import ConfigError
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.model import Decisions
+from evcot.hardware.motion.contract import MotionRegisters
 from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
@@ -217,6 +218,28 @@ def test_clocks_of_motion_steps(objects: int) -> None:
     period = (clocks(300) - clocks(100)) / 200
     print(f"{objects} objects: {period:.1f} clocks a period")
     assert period <= 5 * 8 + 65 * objects + 37 * objects * (objects - 1)
+
+
+def test_longest_wait_of_an_event() -> None:
+    """16 objects in a grid, an event offered at every clock, ticks that advance by less than the stagger of two slots' steps."""
+    registers = MotionRegisters()
+    n, rng = 60_000, np.random.default_rng(16)
+    ticks = np.arange(n) * 2  # a step of a slot every 128 events
+    which = rng.integers(0, 16, n)
+    side, along = rng.integers(0, 4, n), rng.integers(-9, 10, n)
+    across = np.where(side % 2 == 0, 9, -9)
+    moved = ticks // 2_000  # 0.5 px per ms
+    x = 20 + which % 4 * 60 + moved + np.where(side < 2, across, along)
+    y = 20 + which // 4 * 60 + np.where(side < 2, along, across)
+    events = TickedEvents(ticks, x.astype(np.uint16), y.astype(np.uint16), np.zeros(n, np.uint8))
+    config = MotionConfig(Shape(n_slots=16), registers)
+    decisions, times = bare_device(config).stream_timed(events)
+    live = len(set(decisions.owner[-2_000:].tolist()) - {-1})
+    waits = np.diff(times.accepted)
+    longest = int(waits.max())
+    print(f"{live} live objects: an event waits at most {longest} clocks, {np.mean(waits):.2f} on average")
+    assert live == 16
+    assert longest <= 640
 
 
 @pytest.mark.parametrize(
