@@ -249,8 +249,8 @@ _MOTION_SLOT = Group(
             Row(f"u_work.u_order.u_lives.{name}", packed=True, colour=Colour.CONTROL)
             for name in ("visible", "candidate", "left")
         ),
-        *(Row(f"u_events.u_match.g_slot[{{slot}}].{name}", form=Form.SIGNED_PLOT, colour=Colour.PLACE) for name in _BOX),
-        *(Row(f"u_events.u_match.g_slot[{{slot}}].{name}", form=Form.SIGNED, colour=Colour.PLACE) for name in _WINDOW),
+        *(Row(f"u_events.u_match.{name}[{{slot}}]", name, Form.SIGNED_PLOT, Colour.PLACE) for name in _BOX),
+        *(Row(f"u_events.u_match.{name}[{{slot}}]", name, Form.SIGNED, Colour.PLACE) for name in _WINDOW),
         *(
             Row(f"u_events.u_{axis}.{side}[{{slot}}]", f"{side[:2]}_{axis}", Form.SIGNED_PIXELS, Colour.PLACE)
             for axis in "xy"

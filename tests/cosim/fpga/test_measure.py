@@ -173,7 +173,7 @@ def test_a_tool_that_dies_without_a_word_is_told_by_its_code(tmp_path: Path, mon
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["cto"], "module cto: not measured; there are cot, "),
+        (["cto"], "module cto: not measured; there are evcot_top_default, "),
         (["cot", "--device", "ecp6"], "device ecp6: unknown; there are ecp5-25, "),
         (["cot_array", "--n", "65"], "--n 65: must be 1 to 64"),
         (["cot", "--seeds", "-1"], "--seeds -1: must be at least 0"),

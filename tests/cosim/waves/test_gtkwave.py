@@ -403,7 +403,7 @@ def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_pat
 @needs_gtkwave
 def test_gtkwave_shows_signed_values_of_motion(moving: Path) -> None:
     wave, view = Wave.open(moving / "moving.vcd"), View(moving / "moving.gtkw")
-    box = next(wave[entry.path] for entry in wave.signals if entry.path.endswith("g_slot[0].box_lo_x"))
+    box = next(wave[entry.path] for entry in wave.signals if entry.path.endswith("u_match.box_lo_x[0]"))
     time = int(box.times[np.flatnonzero(box.values >= 1 << box.declared.width - 1)[0]]) + 40
     shown = shown_by_gtkwave([moving / "moving.vcd", moving / "moving.gtkw"], time, moving / "values.tcl")
     assert shown == meant(view, wave, SUB, time)
