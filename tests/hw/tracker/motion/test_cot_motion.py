@@ -221,7 +221,7 @@ def test_clocks_of_motion_steps(objects: int) -> None:
 
 
 def test_longest_wait_of_an_event() -> None:
-    """16 objects in a grid, an event offered at every clock, ticks that advance by less than the stagger of two slots' steps."""
+    """16 objects in a grid, an event offered at every clock, less than a step of a slot between two events."""
     registers = MotionRegisters()
     n, rng = 60_000, np.random.default_rng(16)
     ticks = np.arange(n) * 2  # a step of a slot every 128 events
