@@ -4,7 +4,7 @@
 // event's place, and whether another pixel had one, too. A window's end is computed between two tokens.
 //
 // Latency:    5 clocks from s_ to m_.
-// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 13 clocks, 46 at 346x260.
+// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 15 clocks, 48 at 346x260.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty and clears the cells: (WIDTH / 8) * (HEIGHT / 8) clocks with idle low, in which two tokens at most are
 //             taken.
@@ -134,9 +134,9 @@ module noise_support #(
 
     wire [2:0]       most    = (noise_log2 < 5'd6) ? noise_log2[2:0] : 3'd6;
     wire [2:0]       shorter = (shorter_reg > most) ? most : shorter_reg;
-    wire [4:0]       window  = noise_log2 - {2'd0, shorter};
-    wire [SUM_W-1:0] above   = {SUM_W{1'b1}} << window;
-    wire [NOW_W-1:0] phase   = now_reg & ~above[NOW_W-1:0];
+    reg  [4:0]       window_reg;  // log2 of the open window's ticks
+    reg  [SUM_W-1:0] above_reg;   // the bits of a tick above it; settled two clocks after a change of `shorter`
+    wire [NOW_W-1:0] phase   = now_reg & ~above_reg[NOW_W-1:0];
     wire [SUM_W-1:0] elapsed = {{(SUM_W - NOW_W) {1'b0}}, phase} + {{(SUM_W - TICK_W) {1'b0}}, in_tick};
 
     wire [31:0]      wide_tick = {{(32 - TICK_W) {1'b0}}, in_tick};
@@ -212,14 +212,14 @@ module noise_support #(
 
     // ---- the end of a window: means, their quotient, and the thresholds that it reaches --------------------------------
 
-    localparam [2:0] RUNNING = 3'd0, BEGIN = 3'd1, MEANS = 3'd2, DIVIDE = 3'd3, COMPARE = 3'd4, OPEN = 3'd5;
+    localparam [2:0] RUNNING = 3'd0, BEGIN = 3'd1, MEANS = 3'd2, DIVIDE = 3'd3, COMPARE = 3'd4, OPEN = 3'd5, SETTLE = 3'd6;
 
     reg [2:0]         state_reg;
     reg [2:0]         windows_reg;      // so far, 4 at most
     reg [ALONE_W-1:0] mean_alone_reg;
     reg [EMPTY_W-1:0] mean_empty_reg;
     reg [COUNT_W-1:0] empty_reg;
-    reg               dense_reg, sparse_reg;
+    reg               dense_reg, sparse_reg, settled_reg;
     reg [15:0]        level_reg;
     reg [3:0]         support_reg;
     reg [2:0]         compared_reg;
@@ -258,11 +258,13 @@ module noise_support #(
     );
 
     always @(posedge clk) begin
+        window_reg <= noise_log2 - {2'd0, shorter};
+        above_reg  <= {SUM_W{1'b1}} << window_reg;
         if (notes) begin
             touched_reg <= touched_reg + {{(COUNT_W - 1) {1'b0}}, fresh};
             alone_reg   <= fresh ? alone_reg + 1'b1 : second ? alone_reg - 1'b1 : alone_reg;
         end
-        if (in_valid && in_ready) time_ends <= follow && |(elapsed & above);
+        if (in_valid && in_ready) time_ends <= follow && |(elapsed & above_reg);
         case (state_reg)
             RUNNING:  // until the tokens before the window's end are noted
                 if (time_valid && time_ends && !read_valid && !held_valid) begin
@@ -305,8 +307,15 @@ module noise_support #(
                 touched_reg <= {COUNT_W{1'b0}};
                 alone_reg   <= {COUNT_W{1'b0}};
                 number_reg  <= number_reg + 1'b1;
-                time_ends   <= 1'b0;
-                state_reg   <= RUNNING;
+                state_reg   <= SETTLE;
+                settled_reg <= 1'b0;
+            end
+            SETTLE: begin  // until `above_reg` is that of the new window
+                settled_reg <= 1'b1;
+                if (settled_reg) begin
+                    time_ends <= 1'b0;
+                    state_reg <= RUNNING;
+                end
             end
             default: state_reg <= RUNNING;
         endcase
