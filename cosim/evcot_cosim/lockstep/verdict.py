@@ -263,7 +263,7 @@ def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: 
         return f"{what} ([motion] in run.toml: docs/motion.md)"
     slots = hardware.get("slots")
     set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what
-    return f"take cot_motion, whose boxes follow the objects (`--preset auto`), or {set_it}"
+    return f"take cot_motion, whose boxes follow the objects (`--hardware cot_motion`), or {set_it}"
 
 
 def _hardware(summary: Mapping[str, Any]) -> Mapping[str, Any]:

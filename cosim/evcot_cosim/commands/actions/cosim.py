@@ -52,7 +52,6 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     most = None if options.print_config else EVENTS_MAX
     job = job_from(options, window_from(options), claim=claim, most=most)
     if options.print_config:
-        _say(job, quiet=options.quiet)
         print(run_toml(job.run_file), end="")
         return 0
     folder = folder_of(job.name)
@@ -106,7 +105,6 @@ def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str)
 def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[str, Any], what: str) -> int:
     """Say what was found and written; the exit code."""
     save_learned(options)
-    _say(job, quiet=options.quiet)
     if options.json:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:
@@ -118,7 +116,3 @@ def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[s
         waves = ", and waves.vcd with its view waves.gtkw" if (folder / "waves.vcd").exists() else ""
         print(f"\n{folder}/ holds report.html, summary.json, run.toml, {what}{waves}")
     return 0 if summary["exact"] else MISMATCH
-
-
-def _say(job: Job, *, quiet: bool) -> None:
-    """Print what was seen in the recording and chosen by it, a line on stderr."""
