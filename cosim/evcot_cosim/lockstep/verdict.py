@@ -255,7 +255,7 @@ def _easier_birth(side: str, summary: Mapping[str, Any]) -> str:
 
 
 def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: str) -> str:
-    """A register of the hardware to change, or the automatic choice where it was not used."""
+    """A register of the hardware to change, or the default hardware where it was not used."""
     if side not in ("hardware", "model"):
         return "try other settings, or another engine"
     hardware = _hardware(summary)

@@ -49,7 +49,7 @@ class Runs:
         log: LogKeeper | None,
     ) -> None:
         self.tracker: Tracker | None = None
-        self._options, self._source, self._blocks = options, source, blocks
+        self._options, self._source = options, source
         self._recorder, self._log = recorder, log
         self._given = configured(options, source.sensor)
         given_filters = filters_from(options, self._given[1], blocks(), source.sensor)
