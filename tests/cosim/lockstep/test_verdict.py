@@ -64,7 +64,7 @@ def test_a_good_run_is_good_in_every_line(monkeypatch: pytest.MonkeyPatch) -> No
     [
         ({"tracks": 0}, "tracks", Grade.POOR, "clust_nev in run.toml below 5"),
         ({"short": 6, "short_merged": 6}, "tracks", Grade.POOR, "detect_ticks in run.toml below 7"),
-        ({"short": 6, "short_merged": 6, "owned_fraction": 1.0}, "tracks", Grade.POOR, "`--preset auto`"),
+        ({"short": 6, "short_merged": 6, "owned_fraction": 1.0}, "tracks", Grade.POOR, "`--hardware cot_motion`"),
         ({"tracks": 3, "short": 2, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
         ({"short": 3, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
         ({"short": 6, "noise_tracks": 6}, "tracks", Grade.POOR, "clusters on noise: filter more noise"),
