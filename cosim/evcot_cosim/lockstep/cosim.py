@@ -40,7 +40,6 @@ __all__ = [
     "check_addresses",
     "check_addresses_of",
     "compile_kernels",
-    "compile_model",
     "near_px",
     "rerun",
     "run_cosim",
@@ -210,14 +209,9 @@ def stalls_from(seed: int | None) -> Stalls:
     return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
 
 
-def compile_model(first: Events, sensor: Sensor, config: RunConfig) -> None:
-    """Make Numba compile the golden model (at first use, once per machine): the same code for every shape and all registers."""
-    golden_model(config.device_config(*sensor)).feed(TickedEvents.of(first))
-
-
 def compile_kernels(first: Events, sensor: Sensor, config: RunConfig) -> None:
     """Make Numba compile model and tracker before anything is timed."""
-    compile_model(first, sensor, config)
+    golden_model(config.device_config(*sensor)).feed(TickedEvents.of(first))
     log_of(config.software, software_of(sensor, config), [first])
 
 
