@@ -17,9 +17,11 @@ import numpy as np
 import pytest
 
 from evcot.hardware.contract import Mode
+from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import Transport, register_map
+from evcot.hardware.streams import pack_events
 from evcot_cosim.devices.base import reset
-from evcot_cosim.devices.top_device import slot_address
+from evcot_cosim.devices.top_device import address_of, slot_address
 from evcot_cosim.pages.interfaces import DIAGRAMS
 from evcot_cosim.pages.modules import page
 from evcot_cosim.pages.stimulus import play
@@ -170,6 +172,10 @@ def test_c_and_python_set_up_the_simulated_hardware_alike(build: str, configure_
     assert [c.read(place) for place in places] == [python.read(place) for place in places]
     assert registers.control.enable == registers.status.open == 1
     assert all(slot.mode == Mode.SEEDED for slot in registers.slot)
+    for device in (c, python):  # three events of one pixel within a refractory time: that filter is built with motion
+        device.run(pack_events(np.array([0, 5, 9]), *np.full((2, 3), 7, np.uint16), np.zeros(3, np.uint8)))
+        Registers(device).control.latch = 1
+        assert device.read(address_of("filtered")) == (2 if build == "motion" else 0)
 
 
 def test_configure_in_c_reports_a_value_that_does_not_fit(configure_in_c: Callable[[Transport], int]) -> None:

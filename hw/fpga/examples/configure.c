@@ -9,7 +9,7 @@
 #define EVCOT_WRITE(regs, address, value) ((regs)[(address) / 4u] = (value))
 #endif
 
-/* One seeded tracker in each slot; cot_motion has no other registers in a slot.
+/* One seeded tracker in each slot; cot_motion has no other registers in a slot, and with it the default filters begin.
  * Returns 0, the word `fault` if the hardware clamped or refused a value, or UINT32_MAX if no evcot_top
  * of this version of the registers answers. */
 uint32_t evcot_configure(volatile uint32_t *regs) {
@@ -35,6 +35,8 @@ uint32_t evcot_configure(volatile uint32_t *regs) {
             EVCOT_WRITE(regs, EVCOT_SLOT(i, setting[k].reg), setting[k].value);
         EVCOT_WRITE(regs, EVCOT_SLOT(i, EVCOT_SLOT_COMMIT), 1);
     }
+    if (tracker == EVCOT_TRACKER_MOTION && EVCOT_GET(EVCOT_READ(regs, EVCOT_BUILD), EVCOT_BUILD_FILTERS))
+        EVCOT_WRITE(regs, EVCOT_FILTER_COMMIT, 1); /* the values after reset are those of the default configuration */
     while (EVCOT_READ(regs, EVCOT_STATUS) & EVCOT_STATUS_PENDING_MASK)
         ;
     const uint32_t fault = EVCOT_READ(regs, EVCOT_FAULT);
