@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Have Numba compile in a process of its own: the process that needs the kernels then loads them, and stays 170 MB smaller.
-
-Or it does something else meanwhile: within one process Numba compiles one function at a time.
-"""
+"""Have Numba compile in a process of its own: the process that needs the kernels then loads them, and stays 170 MB smaller."""
 
 from __future__ import annotations
 
@@ -11,12 +8,12 @@ import pickle
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from numba.core import event
 
-__all__ = ["compiled_aside", "compiling_aside"]
+__all__ = ["compiled_aside"]
 
 _CHILD = "import pickle, sys; function, arguments = pickle.load(sys.stdin.buffer); function(*arguments)"
 
@@ -28,32 +25,14 @@ def compiled_aside(function: Callable[..., Any], *arguments: Any) -> None:
         function: of a module; what it does besides, it may do again.
         arguments: that can be pickled.
     """
-    with compiling_aside(function, *arguments) as begun:
-        pass
-    if begun:
-        function(*arguments)
-
-
-@contextlib.contextmanager
-def compiling_aside(function: Callable[..., Any], *arguments: Any) -> Iterator[bool]:
-    """As `compiled_aside`, but the other process compiles while the body runs; the end of the body waits for it.
-
-    Yields whether another process was needed; if not, the function has been called. Where the other process fails, the first
-    use of the kernels compiles them here, or fails and says why.
-    """
     if _is_done(function, *arguments):
-        yield False
         return
     command = [sys.executable, "-P", "-c", _CHILD]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
-        try:
-            assert child.stdin is not None
-            with contextlib.suppress(BrokenPipeError), child.stdin as given:
-                pickle.dump((function, arguments), given)
-            yield True
-        except BaseException:
-            child.kill()
-            raise
+        assert child.stdin is not None
+        with contextlib.suppress(BrokenPipeError), child.stdin as given:
+            pickle.dump((function, arguments), given)
+    function(*arguments)  # where the other process failed, this compiles, or fails and says why
 
 
 def _is_done(function: Callable[..., Any], *arguments: Any) -> bool:

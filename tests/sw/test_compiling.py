@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import importlib
-import signal
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from evcot.compiling import compiled_aside, compiling_aside
+from evcot.compiling import compiled_aside
 
 _KERNEL = """
 from numba import njit
@@ -64,29 +63,3 @@ def test_without_another_process_it_is_compiled_here(tmp_path: Path, monkeypatch
     compiled_aside(module.prepare, 3)
     assert counts(module.twice) == (0, 2), "missing at first, then compiled"
     assert module.twice(3) == 6
-
-
-def test_something_else_is_done_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "evcot_kernel_meanwhile.py").write_text(_KERNEL)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    children = watched(monkeypatch)
-    module = importlib.import_module("evcot_kernel_meanwhile")
-    with compiling_aside(module.prepare, 3) as begun:
-        assert begun
-        assert children[0].returncode is None
-    assert children[0].returncode == 0, "the end waits for it"
-    with compiling_aside(importlib.reload(module).prepare, 3) as begun:
-        assert not begun, "it is in the cache"
-    assert len(children) == 1
-
-
-def test_an_error_meanwhile_ends_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "evcot_kernel_ended.py").write_text(_KERNEL)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr("evcot.compiling._CHILD", "import time; time.sleep(1000)")
-    children = watched(monkeypatch)
-    module = importlib.import_module("evcot_kernel_ended")
-    with pytest.raises(ValueError, match="no recording"), compiling_aside(module.prepare, 3):
-        raise ValueError("no recording")
-    assert children[0].returncode == -signal.SIGKILL

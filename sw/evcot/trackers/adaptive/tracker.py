@@ -18,7 +18,7 @@ from .restless import restless
 
 __all__ = ["SIGHTING", "AdaptiveTracker", "track"]
 
-SIGHTING = np.dtype([(name, np.float64) for name in ("half_x", "half_y", "speed_px_s", "pixels_per_px")])
+SIGHTING = np.dtype([(name, np.float64) for name in ("half_x", "half_y", "speed_px_s")])
 
 
 class AdaptiveTracker(CompiledTracker):
@@ -44,7 +44,6 @@ class AdaptiveTracker(CompiledTracker):
         state = world.state[visible]
         seen["half_x"], seen["half_y"] = state[:, 0, 2], state[:, 1, 2]
         seen["speed_px_s"] = np.hypot(state[:, 0, 1], state[:, 1, 1])
-        seen["pixels_per_px"] = world.objects["usual"][visible]
         return seen
 
     def restless(self) -> NDArray[np.bool_]:
