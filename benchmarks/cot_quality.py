@@ -21,16 +21,15 @@ from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.metrics import Scores, evaluate, load_rule, read_truth
 from evcot.metrics.frames import Frames, line_up
-from evcot.metrics.of_scene import ground_truth_of
 from evcot.metrics.rule import Rule
-from evcot.metrics.truth import GroundTruth
+from evcot.metrics.truth import GroundTruth, ground_truth_of
 from evcot.recordings.files import read_recording
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import fit, for_sensor, preset
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
-from evcot.tracks.windows import sampled
+from evcot.tracks.log_parts import sampled
 from exact import cot_log
 from measure import Result
 from shared import SHARED

@@ -37,7 +37,7 @@ from field import Absent, Entry, Member, entries
 from field.choose import Choice, left_out
 from field.contenders import Contender, contenders, more_settings, varied_default
 from field.draws import FIXED, LOST, drawn
-from field.kept import FOLDER
+from field.member import FOLDER
 from field.oracle import oracle_log
 from field.peers import remot_log
 from field.recorded import RECORDED, reference_of
@@ -60,6 +60,8 @@ def main() -> int:
         chosen = _contenders(options)
         sources = {entry.source for _, entry in _field(options, options.seed_set)}
         if not sources:
+            if options.members:
+                raise ConfigError(f"--members {' '.join(options.members)}: no member has this name")
             raise ConfigError(f"--families {' '.join(options.families)}: no family begins so")
         if options.leave_out is not None and len(sources) < 2:
             raise ConfigError(f"--leave-out {options.leave_out}: must have families of two sources at least")

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from evcot.filters.config import FilterConfig
-from evcot.filters.effect import Effect, add_noise, area_under_curve, effect
+from evcot.filters.run import Effect, add_noise, area_under_curve, effect
 from evcot.scenes.boxes import BoxExperiment, simulate
 
 NOISE_HZ_PER_PX = (1.0, 5.0, 10.0)

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.metrics.clear import clear
 from evcot.metrics.frames import line_up
+from evcot.metrics.mot import clear
 from evcot.metrics.rule import load_rule
 from evcot.metrics.sampling import positions
 from evcot.metrics.truth import OBJECT, GroundTruth

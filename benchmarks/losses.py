@@ -20,13 +20,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.metrics.clear import clear
 from evcot.metrics.frames import Frames, Matches, line_up
-from evcot.metrics.hota import hota
+from evcot.metrics.mot import clear, hota
 from evcot.trackers.adaptive.config import AdaptiveConfig
 from evcot.trackers.adaptive.tracker import AdaptiveTracker
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from evcot.tracks.windows import sampled
+from evcot.tracks.log_parts import sampled
 from field import Absent, Member, entries
 
 __all__ = ["COLUMNS", "Boxes", "instead", "losses", "main", "when"]

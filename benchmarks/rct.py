@@ -23,8 +23,7 @@ from numba import njit
 
 import streams
 from evcot.events import Events
-from evcot.trackers.rct.config import RctConfig
-from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.config import PRESETS, RctConfig
 from evcot.trackers.rct.tracker import RctTracker
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 from memory import own_peak_mb

@@ -13,10 +13,9 @@ from typing import Any
 from evcot.errors import ConfigError
 from evcot.filters.run import apply
 from evcot.metrics import Scores, evaluate
-from evcot.trackers.rct.config import RctConfig
-from evcot.trackers.rct.presets import FILTERS, PRESETS
+from evcot.trackers.rct.config import FILTERS, PRESETS, RctConfig
 from evcot.trackers.rct.tracker import track
-from quality_cases import TRAFFIC, traffic_cases, traffic_is_here
+from quality import TRAFFIC, traffic_cases, traffic_is_here
 
 __all__ = ["changed", "main"]
 

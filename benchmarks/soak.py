@@ -3,17 +3,19 @@
 
 python benchmarks/soak.py                                   # a million events
 python benchmarks/soak.py --events 20000000 --jobs 2        # twenty million
+python benchmarks/soak.py --events 20000000 --output soak.json  # and seed, shapes and results in a file
 python benchmarks/soak.py --seed 3 --run 9 --length 89188   # one run again, of so many events
 
-A run has a shape of 1 to 64 slots with 0, 4 or 8 fractional bits, and draws registers over their whole legal ranges, outlines
-of boxes that meet and hide each other, or bursts and noise, and stalls. Every second run is of `evcot_top`, with a change of
-registers every 400 events or so; the others are of the array alone, which is faster. It has as many events as take about
---seconds, and says how many. The first difference ends the program with exit code 1.
+A run has a shape of 1 to 64 slots, in some of which numbers of tracks, events and support wrap, and draws registers over their
+whole legal ranges, outlines of boxes that meet and hide each other, or bursts and noise, and stalls. Every second run is of
+`evcot_top`, with a change of registers every 400 events or so; the others are of the array alone, which is faster. A run has as
+many events as take about --seconds, and says how many. The first difference ends the program with exit code 1.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import multiprocessing
 import sys
 import time
@@ -22,22 +24,33 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import replace
 from itertools import count
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from evcot.filters.contract import FilterShape
 from evcot.hardware.contract import Shape
+from evcot.outputs import written_aside
 from evcot_cosim.devices.base import HardwareError
 from evcot_cosim.devices.device import build_device
 from evcot_cosim.devices.top_device import Pace, TopDevice
 from evcot_cosim.lockstep.mismatch import MismatchError
-from evcot_cosim.lockstep.random_runs import RATES, random_motion, random_motion_run, random_outlines, random_traffic
-from evcot_cosim.lockstep.rewriting import ALONE, Rewritten, rewritten
+from evcot_cosim.lockstep.random_runs import (
+    ALONE,
+    RATES,
+    Rewritten,
+    random_motion,
+    random_motion_run,
+    random_outlines,
+    random_traffic,
+    rewritten,
+)
 
 _SHAPES = (
-    Shape(n_slots=8), Shape(n_slots=1, x_w=7, y_w=7, tc_w=12), Shape(n_slots=2, x_w=5, y_w=9, frac=0), Shape(n_slots=4, frac=8),
-    Shape(n_slots=3, x_w=8, y_w=8), Shape(n_slots=16), Shape(n_slots=8, frac=0), Shape(n_slots=32, frac=8), Shape(n_slots=64),
+    Shape(n_slots=8), Shape(n_slots=1, x_w=7, y_w=7, tc_w=12), Shape(n_slots=2, x_w=5, y_w=9), Shape(n_slots=16),
+    Shape(n_slots=3, x_w=8, y_w=8, id_w=3, seq_w=16, sup_w=4, radix_w=4), Shape(n_slots=32), Shape(n_slots=64),
+    Shape(n_slots=4, x_w=6, y_w=6, tick_w=4, radix_w=4, tc_w=12, sup_w=6, id_w=4, seq_w=16, time_w=32),
 )  # fmt: skip
 _FIRST, _MOST = 4_000, 400_000  # events of a run: to see how fast it goes, and at most
 _EVENTS_A_CHANGE = 400
@@ -69,19 +82,24 @@ def main() -> int:
         print(f"run {done.run}, {done.shape.n_slots} slots, {done.events:,} events: {done.difference or 'the same'}")
         return 1 if done.difference else 0
     print(f"seed {options.seed}", flush=True)
-    began, events, records, changes = time.monotonic(), 0, 0, 0
-    slots: Counter[str] = Counter()
+    began, events, records, changes, through_top = time.monotonic(), 0, 0, 0, 0
+    slots: Counter[int] = Counter()
     for done in _runs(options):
-        name = f"{done.shape.n_slots} slots, frac {done.shape.frac}"
+        name = f"{done.shape.n_slots} slots"
         if done.difference:
             print(f"run {done.run}, {name}, {done.events:,} events: {done.difference}")
             return 1
         events, records, changes = events + done.events, records + done.records, changes + done.changes
-        slots[name] += done.events
+        slots[done.shape.n_slots] += done.events
+        through_top += done.events if done.run % 2 == 0 else 0
         print(f"run {done.run}, {name}: {done.events:,} events; {events:,} in all, {records:,} records", flush=True)
     print(f"the same: {events:,} events, {records:,} records, {changes:,} changes, {time.monotonic() - began:.0f} s")
-    for name, number in slots.items():
-        print(f"  {name}: {number:,} events")
+    for number, of_slots in sorted(slots.items()):
+        print(f"  {number} slots: {of_slots:,} events")
+    if options.output:
+        found = {"seed": options.seed, "events": events, "through_top": through_top, "records": records, "changes": changes}
+        with written_aside(options.output) as file:
+            file.write(json.dumps(found | {"slots": dict(sorted(slots.items()))}, indent=1).encode() + b"\n")
     return 0
 
 
@@ -93,6 +111,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
     parser.add_argument("--run", type=int, help="only this run, of --length events")
     parser.add_argument("--length", type=int, default=_FIRST, help="events of --run (default: %(default)s)")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write seed, numbers and events of each number of slots")
     options = parser.parse_args()
     for name, least in (("events", 1), ("seed", 0), ("jobs", 1), ("run", 0)):
         value = getattr(options, name)
@@ -102,6 +121,8 @@ def _options() -> argparse.Namespace:
         parser.error(f"--seconds {options.seconds:g}: must be more than 0, at most 86,400")
     if options.length <= ALONE:
         parser.error(f"--length {options.length}: must be more than {ALONE}")
+    if options.output and options.output.exists():
+        parser.error(f"--output {options.output}: exists already")
     return options
 
 

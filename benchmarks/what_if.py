@@ -12,9 +12,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.metrics.clear import clear
 from evcot.metrics.frames import Frames
-from evcot.metrics.hota import THRESHOLDS, hota
+from evcot.metrics.mot import THRESHOLDS, clear, hota
 
 __all__ = ["WHAT_IF", "what_if"]
 

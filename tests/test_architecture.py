@@ -18,13 +18,14 @@ ROOTS = {"evcot": REPOSITORY / "sw", "evcot_cosim": REPOSITORY / "cosim"}
 ROOMS = {
     "evcot": (
         "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "toml_file", "outputs",
-        "templating", "structured", "_sound_kernel", "events", "digest", "ticks", "unfinished", "compiling", "recordings",
+        "templating", "dataframes", "page", "structured", "_sound_kernel", "events", "digest", "ticks", "unfinished",
+        "compiling", "recordings",
         "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "pictures", "api", "anomalies",
         "__main__",
     ),
     "evcot_cosim": (
-        "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "api", "live", "fpga", "sweep", "pages",
-        "commands", "cli", "__main__",
+        "tables", "names", "memory", "standard_streams", "rtl", "devices", "lockstep", "vectors", "waves", "report",
+        "side_names", "notebook", "api", "live", "fpga", "sweep", "pages", "commands", "cli", "__main__",
     ),
 }  # fmt: skip
 

@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-
-import pytest
 
 from evcot_cosim.rtl.files import rtl_files
 from mutations import Mutation, mutations, path_of
@@ -25,11 +24,27 @@ def names_in(file: str) -> frozenset[str]:
     return frozenset(prefix + part.name for prefix, part in named if isinstance(part, ast.FunctionDef))
 
 
-@pytest.mark.parametrize("mutation", list(mutations()), ids=lambda mutation: f"{mutation.file} {mutation.meaning}")
-def test_a_mutation_has_its_place_and_was_caught(mutation: Mutation) -> None:
-    broken_text(RTL[mutation.file], mutation.file, mutation.right, mutation.wrong)  # raises where the text is gone
-    assert mutation.tests
+def faults(mutation: Mutation) -> Iterator[str]:
+    """What is wrong with a row of mutations.toml."""
+    try:
+        broken_text(RTL[mutation.file], mutation.file, mutation.right, mutation.wrong)  # raises where the text is gone
+    except Exception as error:
+        yield f"{mutation.file}, {mutation.meaning}: {error!r}"
+    if not mutation.tests:
+        yield f"{mutation.file}, {mutation.meaning}: no test is named"
     for test in mutation.tests:
         file, _, name = test.partition("::")
-        assert name, f"{file}: run python tests/mutations.py --new --write"
-        assert name in names_in(file), f"{test}: there is no such test"
+        if not name:
+            yield f"{file}: run python tests/mutations.py --new --write"
+        elif name not in names_in(file):
+            yield f"{test}: there is no such test"
+
+
+def test_every_mutation_has_its_place_and_names_tests_that_exist() -> None:
+    assert [fault for mutation in mutations() for fault in faults(mutation)] == []
+
+
+def test_a_row_without_its_place_or_its_test_is_reported() -> None:
+    (place, test) = faults(Mutation("gone", "cot_axis.v", "no such text", "", ("test_cot.py::test_of_nothing",)))
+    assert "cot_axis.v, gone: " in place
+    assert test == "test_cot.py::test_of_nothing: there is no such test"

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tomllib
 import venv
+from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 
@@ -94,6 +95,34 @@ def test_the_licence_is_there_as_every_tool_looks_for_it() -> None:
 def test_every_file_says_its_licence() -> None:
     done = subprocess.run(["reuse", "lint", "--lines"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
+
+
+def test_two_builds_give_the_same_files(tmp_path: Path) -> None:
+    """From another folder, with other times and modes of files, whatever the locale and the time zone."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, check=False
+    )
+    if listed.returncode:
+        pytest.skip("no git checkout")
+    copy = tmp_path / "elsewhere"
+    for name in filter(None, listed.stdout.decode().split("\0")):
+        source, target = ROOT / name, copy / name
+        if source.is_file():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(source.read_bytes())
+            target.chmod(source.stat().st_mode & ~0o077)
+            os.utime(target, (1_000_000_000, 1_000_000_000))
+
+    def built(root: Path, name: str, **more: str) -> dict[str, str]:
+        folder = tmp_path / name
+        command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(root)]
+        done = subprocess.run(command, env=os.environ | more, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return {path.name: sha256(path.read_bytes()).hexdigest() for path in sorted(folder.iterdir())}
+
+    first = built(ROOT, "first")
+    assert len(first) == 2
+    assert built(copy, "second", TZ="Asia/Tokyo", LC_ALL="C") == first
 
 
 def declared() -> dict[str, importlib.metadata.Distribution]:

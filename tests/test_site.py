@@ -92,6 +92,15 @@ def make_site(folder: Path, link: str) -> None:
     (folder / "a.html").write_text(PAGE.format(link))
 
 
+def test_the_example_stands_after_the_film_and_its_caption(site: ModuleType) -> None:
+    blocks = site.with_example('# a\n\n<img src="b.gif">\n\n*c*\n\nd').split("\n\n")
+    assert blocks[3].startswith("## Try it here")
+    assert (blocks[2], blocks[-1]) == ("*c*", "d")
+    assert site.with_example('<img src="b.gif">\n\nd').split("\n\n")[1].startswith("## Try it here")
+    with pytest.raises(ValueError, match=r"^README\.md: has no film"):
+        site.with_example("# a\n\nb")
+
+
 def test_the_whole_site_has_search_and_no_dead_link(site: ModuleType, tmp_path: Path) -> None:
     for package in ("sphinx", "furo", "myst_parser", "pdoc"):
         pytest.importorskip(package, reason=f"needs {package}: make docs has it")
@@ -102,6 +111,11 @@ def test_the_whole_site_has_search_and_no_dead_link(site: ModuleType, tmp_path: 
     for guide in (ROOT / "docs" / "guides").glob("*.py"):
         assert f'href="{guide.stem}.ipynb"' in (built / "docs" / "guides" / f"{guide.stem}.html").read_text()
         assert json.loads((built / "docs" / "guides" / f"{guide.stem}.ipynb").read_text())["nbformat"] == 4
+    first = (built / "README.html").read_text()
+    assert first.index("traffic.gif") < first.index('src="example/report.html"')
+    report = (built / "example" / "report.html").read_text()
+    assert len(report) < 4_000_000
+    assert "highway" in report
     for page in built.rglob("*.html"):
         if built / "api" not in page.parents:
             assert '<script src="http' not in page.read_text(), "nothing is fetched from elsewhere"

@@ -13,12 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from field import digits, empty, recorded, second, simulated, traffic
+from field import digits, hard, recorded, second, simulated, traffic
 from field.member import Absent, Entry, Member
 
 __all__ = ["Absent", "Entry", "Member", "entries", "members"]
 
-_PARTS = (traffic, recorded, digits, simulated, second, empty)
+_PARTS = (traffic, recorded, digits, simulated, second, hard)
 
 
 def entries(seed_set: int, quick: bool = False) -> list[Entry]:

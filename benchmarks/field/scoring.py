@@ -39,6 +39,7 @@ class Score:
         covered: share of the objects' instants at which a track is on them.
         one_track: share of the objects' instants at which their one best track is on them.
         false_per_instant: tracks on nothing, a mean over the instants.
+        stated_angle_deg: median of the angle between stated velocity and displacement (docs/evaluation.md).
         answered: HOTA at the moments when answers are available, computing time included, in packets of `PACKET_US`.
         cpu_s, events_per_s: CPU time of one thread.
     """
@@ -55,6 +56,7 @@ class Score:
     covered: float | None = None
     one_track: float | None = None
     false_per_instant: float | None = None
+    stated_angle_deg: float | None = None
     answered: float | None = None
     cpu_s: float | None = None
     events_per_s: float | None = None
@@ -158,6 +160,7 @@ def score_log(log: TrackLog, member: Member, late: TrackLog | None = None) -> Sc
         covered=centre.tp / objects,
         one_track=_number(centre.idr),
         false_per_instant=centre.fp / max(centre.frames, 1),
+        stated_angle_deg=centre.stated_angle_error_deg_median,
         answered=None if late is None else _answered(late, replace(member, truth=truth)),
     )
 

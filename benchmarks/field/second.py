@@ -19,8 +19,7 @@ from scipy.spatial import ConvexHull
 
 from evcot.events import Events, Recording
 from evcot.metrics.truth import OBJECT, GroundTruth
-from field.kept import kept
-from field.member import TRUTH_STEP_US, Absent, Entry, Member, scene_rule
+from field.member import TRUTH_STEP_US, Absent, Entry, Member, kept, scene_rule
 from field.paths import Bouncing
 
 __all__ = ["SOURCE", "entries"]

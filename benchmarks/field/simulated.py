@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from evcot.metrics.of_scene import ground_truth_of
-from evcot.metrics.truth import OBJECT, GroundTruth
+from evcot.metrics.truth import OBJECT, GroundTruth, ground_truth_of
 from evcot.scenes.insects import Insects, grass
 from evcot.scenes.pendulum import ROD
 from evcot.scenes.registry import scene_settings, simulate_scene
-from field.faint import without_faint
-from field.kept import kept
-from field.member import TRUTH_STEP_US, Entry, Member, scene_rule
+from field.hard import without_faint
+from field.member import TRUTH_STEP_US, Entry, Member, kept, scene_rule
 from field.transforms import backwards, upside_down
 
 __all__ = ["entries", "with_grass"]
@@ -179,7 +177,7 @@ def _builder(family: str, scene: str, draw: Draw, seed: tuple[int, ...]) -> Call
             return upside_down(member)
         return member
 
-    simulated = kept(f"{family} {name} {of_scene} {settings}", simulate, "faint")
+    simulated = kept(f"{family} {name} {of_scene} {settings}", simulate, "hard")
     return build
 
 

@@ -39,6 +39,7 @@ FIGURES: Mapping[str, str] = {
     "covered": "covered",
     "one_track": "by one track",
     "false_per_instant": "false tracks",
+    "stated_angle_deg": "stated velocity, degrees",
 }
 _COMPARED = "hota", "hota_iou", "mota_iou", "idf1_iou"  # of two versions
 

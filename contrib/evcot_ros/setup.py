@@ -3,7 +3,7 @@ from setuptools import setup
 
 setup(
     name="evcot_ros",
-    version="0.1.0",
+    version="0.2.0",
     description="Tracks objects in the events of an event camera: event_camera_msgs in, vision_msgs out",
     license="Apache-2.0",
     packages=["evcot_ros"],

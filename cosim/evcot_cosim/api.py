@@ -9,11 +9,13 @@ from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.events import Recording
+from evcot.page import EVENTS_MAX, HEIGHT_PX, Page
 from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import run_config
 
 from .lockstep.cosim import CosimRun, run_cosim
 from .lockstep.run_file import Source
+from .notebook import run_page
 from .report.artifacts import save_run
 
 __all__ = ["Run", "cosim"]
@@ -21,7 +23,23 @@ __all__ = ["Run", "cosim"]
 
 @dataclass(frozen=True, repr=False)
 class Run(CosimRun):
-    """A run that can be saved; `evcot_cosim.CosimRun`."""
+    """A run that can be saved and shown; `evcot_cosim.CosimRun`."""
+
+    def show(self, *, events_max: int = EVENTS_MAX, height_px: int = HEIGHT_PX) -> Page:
+        """The page of `evcot report` for a notebook, without the waveform.
+
+        Args:
+            events_max: most events in the page, which are spread evenly over the recording.
+            height_px: height of the frame in the notebook.
+
+        Raises:
+            ConfigError: a value outside its range.
+        """
+        return run_page(self, events_max, height_px)
+
+    def _repr_html_(self) -> str:
+        """The run in a notebook: the page that `show` makes."""
+        return self.show()._repr_html_()
 
     def save(self, folder: Path | str, *, waves: bool = True) -> dict[str, Any]:
         """Write what `evcot cosim -o FOLDER` writes, and return the summary; a recording made in memory is written, too.

@@ -8,40 +8,30 @@ import argparse
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from functools import cache
+from pkgutil import resolve_name
 from typing import Any
 
 import evcot
-from evcot.errors import DamagedRecordingError, EvcotError, RecordingWarning
+from evcot.errors import EvcotError, RecordingWarning, reason_of
 
-from .commands import (
-    anomalies,
-    bench,
-    board,
-    boxes,
-    completion,
-    cosim,
-    evaluate,
-    live,
-    plot,
-    presets,
-    recordings,
-    render,
-    report,
-    simulate,
-    sweep,
-    toggles,
-    track,
-    tune,
-    waves,
-)
-from .commands import filter as filter_command
-from .commands.exit_codes import MISMATCH, USER_ERROR
-from .commands.parsing import HelpFormatter, Parser, claims_of
+from .commands.parsing import MISMATCH, USER_ERROR, HelpFormatter, Parser, claims_of, say, say_error, writes_standard_output
 from .lockstep.mismatch import MismatchError
+from .standard_streams import as_file, begin_command
 
 __all__ = ["main", "parser"]
+
+# Commands, as the help lists them, and the functions of `commands` that add them.
+_ADDED_BY = {
+    "cosim": "cosim:add", "track": "tracking:add_track", "live": "live:add", "info": "recordings:add_recordings",
+    "convert": "recordings:add_recordings", "filter": "recordings:add_filter", "simulate": "recordings:add_simulate",
+    "evaluate": "tracking:add_evaluate", "report": "report:add", "plot": "drawings:add_plot", "render": "drawings:add_render",
+    "boxes": "tracking:add_boxes", "anomalies": "tracking:add_anomalies", "sweep": "sweeps:add_sweep",
+    "tune": "sweeps:add_tune", "waves": "hardware:add_waves", "assert": "hardware:add_waves", "vectors": "hardware:add_vectors",
+    "toggles": "hardware:add_toggles", "board": "hardware:add_board", "bench": "hardware:add_bench",
+    "presets": "tracking:add_presets",
+}  # fmt: skip
 
 _EXAMPLES = """examples:
   evcot cosim                                   # the box experiment, nothing to download
@@ -63,34 +53,28 @@ def main(argv: Sequence[str] | None = None, loaded: Callable[[], None] | None = 
         loaded: called once, when all modules that the command begins with are loaded.
     """
     arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
-    options, unknown = parser().parse_known_args(arguments)
+    options, unknown = parser(arguments[0] if arguments[0] in _ADDED_BY else None).parse_known_args(arguments)
     if unknown:
         options.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
+    begin_command()
     try:
-        with _warnings_in_one_line(), claims_of(options) as options.claims:
+        if getattr(options, "config", None) is not None:
+            options.config = as_file(options.config)  # is read more than once
+        said = sys.stderr if writes_standard_output(options) else sys.stdout
+        with _warnings_in_one_line(), redirect_stdout(said), claims_of(options) as options.claims:
             code: int = options.command(options, arguments, loaded)
         return code
     except MismatchError as error:
         print(f"evcot: MISMATCH: {error}", file=sys.stderr)
         return MISMATCH
-    except DamagedRecordingError as error:
-        rescue = " (--skip-damaged reads what can be read)" if hasattr(options, "skip_damaged") else ""
-        _say(f"{error}{rescue}")
-        return USER_ERROR
     except EvcotError as error:
-        _say(str(error))
+        say_error(error, options)
         return USER_ERROR
     except BrokenPipeError:
         return 0
     except OSError as error:  # a full disk under a cache, and the like
-        _say(f"{error.filename or 'a file'}: {error.strerror or error}")
+        say(reason_of(error) if error.filename else f"a file: {reason_of(error)}")
         return USER_ERROR
-
-
-def _say(message: str) -> None:
-    """Print an error or a warning in one line: the name of a file may hold a line break, or codes for a terminal."""
-    shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in message)
-    print(f"evcot: {shown}", file=sys.stderr)
 
 
 @contextmanager
@@ -105,7 +89,7 @@ def _warnings_in_one_line() -> Iterator[None]:
             if issubclass(category, RecordingWarning):
                 line = f"warning: {message}"
                 if line not in shown:
-                    _say(line)
+                    say(line)
                 shown.add(line)
             else:
                 show(message, category, *place, **more)
@@ -115,8 +99,8 @@ def _warnings_in_one_line() -> Iterator[None]:
 
 
 @cache
-def parser() -> argparse.ArgumentParser:
-    """The whole command line."""
+def parser(command: str | None = None) -> argparse.ArgumentParser:
+    """The whole command line, or the part of it that has a command: modules of other commands are not imported."""
     whole = Parser(
         prog="evcot",
         description=f"Event-camera object tracking: hardware, model and software in lock-step.\n\n{_EXAMPLES}",
@@ -124,27 +108,8 @@ def parser() -> argparse.ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
     commands: Any = whole.add_subparsers(required=True, metavar="COMMAND")
-    for group in (
-        cosim,
-        track,
-        live,
-        recordings,
-        filter_command,
-        simulate,
-        evaluate,
-        report,
-        plot,
-        render,
-        boxes,
-        anomalies,
-        sweep,
-        tune,
-        waves,
-        toggles,
-        board,
-        bench,
-        presets,
-    ):
-        group.add(commands)
-    completion.add(commands, whole)
+    for adds in [_ADDED_BY[command]] if command else dict.fromkeys(_ADDED_BY.values()):
+        resolve_name(f"{__package__}.commands.{adds}")(commands)
+    if command is None:
+        resolve_name(f"{__package__}.commands.completion:add")(commands, whole)
     return whole

@@ -5,5 +5,5 @@ from __future__ import annotations
 
 __all__ = ["MOMENTS"]
 
-MOMENTS = "birth:N, move:N, merge:N, loss:N (the N-th, 1 without it), mismatch, event:N (from 0) or time:MS"
+MOMENTS = "birth:ID, move:ID, merge:ID, loss:ID (of that track; without ID the first), mismatch, event:N (from 0) or time:MS"
 """Moments of a run, for people."""

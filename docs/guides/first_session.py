@@ -3,7 +3,8 @@
 # # A first session in Python
 #
 # Ten things that a researcher does with a recording: read, filter, track, look, score, compare, simulate the hardware, check a
-# waveform, tune, export. [The tutorial](../tutorial.md) does the same on the command line.
+# waveform, tune, export. [The tutorial](../tutorial.md) does the same on the command line. A notebook shows recording, tracks
+# and run as pages and pictures ([api.md](../api.md#in-a-notebook)); elsewhere each is a line of text.
 
 # %%
 import subprocess
@@ -35,6 +36,7 @@ with evcot.open_recording("discs.aedat4") as file:
     found = evcot.describe(file)
 print(f"{found.format}, {found.width}x{found.height} pixels, {found.events:,} events in {found.duration_us / 1e6:.3f} s")
 print(f"mean rate {found.mean_rate / 1e3:,.0f} k events/s, {found.on_share:.0%} of the events are ON")
+recording
 
 # %% [markdown]
 # ## 2. Filter noise and hot pixels
@@ -61,22 +63,30 @@ print(f"{len(clean.events):,} of {len(recording.events):,} events pass")
 
 # %%
 log = evcot.track(clean)
-print(log)
+log
 
 # %% [markdown]
 # ## 4. Look at the tracks
 #
-# `log.records` is a NumPy array with one row for each birth, move, merge and loss, also for `pandas.DataFrame(log.records)`.
-# [tracks.md](../tracks.md) explains the fields. Two discs overlap at the start: track 0 covers both until they part.
+# `log.tracks` are the tracks as objects. `log.records` is a NumPy array with one row for each birth, move, merge and loss
+# ([tracks.md](../tracks.md)); `log.to_pandas()` and `log.tracks.to_pandas()` return data frames. Two discs overlap at the
+# start: track 0 covers both until they part. `clean.show(log)` plays the events with the boxes.
 
 # %%
-print("track  born at  lifetime  median speed")
-for life in evcot.lifetimes(log, until_us=int(clean.events.t_us[-1])):
-    own = log.records[log.records["track_id"] == life["track_id"]]
-    speed = np.median(np.hypot(own["vx"], own["vy"]))
-    lifetime_us = life["end_us"] - life["birth_us"]
-    print(f"{life['track_id']:5}  {life['birth_us'] / 1e3:4.0f} ms {lifetime_us / 1e3:6.0f} ms  {speed:7.0f} px/s")
-evcot.plot(clean, {"default": log}, "guide_session.png", ("tracks", "xy"), width_mm=150, dpi=150)
+end_us = int(clean.events.t_us[-1])
+print("track  born at  lifetime  median speed  centre at 0.5 s")
+for track in log.tracks:
+    lifetime_us = (track.ended_us or end_us) - track.born_us
+    speed = np.median(np.hypot(track.path["vx"], track.path["vy"]))
+    box = track.box_at(500_000)
+    centre = f"({box.x:.0f}, {box.y:.0f})" if box else "none"
+    print(f"{track.id:5}  {track.born_us / 1e3:4.0f} ms {lifetime_us / 1e3:6.0f} ms  {speed:7.0f} px/s  {centre}")
+figure = log.plot(clean, ("tracks", "xy"))
+figure.savefig("guide_session.png")
+figure
+
+# %%
+clean.show(log)
 
 # %% [markdown]
 # ## 5. Score against the truth
@@ -98,6 +108,7 @@ show("default", log)
 # ## 6. Compare with other engines
 #
 # `evcot.ENGINES` lists all trackers; a preset, here `discs`, has settings for a kind of scene.
+# [Your own tracker](../plug_in.md) can be one of them.
 
 # %%
 show("default", log)
@@ -117,6 +128,7 @@ assert (run.hardware.records == run.model.records).all()
 print(f"equal: {len(run.hardware.records):,} records and the owners of {len(run.hardware.owner):,} events")
 print(f"{run.cycles / len(clean.events):.2f} clocks per event")
 show("hardware", run.hardware)
+run.show()
 
 # %% [markdown]
 # ## 8. Check a moment in a waveform

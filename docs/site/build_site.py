@@ -3,8 +3,9 @@
 
 The pages are the repository's own Markdown, each where it lies there, so that links between them work in both. Staged with
 them is whatever they link to; a link to a folder leads to a list of its files. The navigation is that of docs/README.md, and
-a section for the pages that are made here: the modules, the mutations of the RTL, and the API reference by pdoc. At the end
-every link of the site is followed: one that leads nowhere is an error.
+a section for the pages that are made here: the modules, the mutations of the RTL, and the API reference by pdoc. The first page
+has the report of a simulated highway in it, to try. At the end every link of the site is followed: one that leads nowhere is an
+error.
 """
 
 from __future__ import annotations
@@ -45,6 +46,14 @@ tests on the broken copy, and fails if a mistake goes unnoticed. The list is `te
 | mutation | in | caught by |
 |---|---|---|
 """
+_EXAMPLE = "example/report.html"  # in the site; next to the first page
+_EXAMPLE_COMMAND = "cosim highway --to 2500"
+_EXAMPLE_TEXT = f"""## Try it here
+
+<iframe class="example" src="{_EXAMPLE}" title="Report of a simulated highway" loading="lazy"></iframe>
+
+*The report of `evcot {_EXAMPLE_COMMAND}`, 2.5 s of a simulated highway with default settings: hardware, software tracker and
+the scene's truth. Press play, click an object, drag the timeline. <a href="{_EXAMPLE}">Open it in the whole window</a>.*"""
 _STATIC = ("site.css",)
 _FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _CODE = re.compile(r"`[^`\n]+`")
@@ -139,6 +148,21 @@ def _mutations_page() -> str:
     return _MUTATIONS_HEAD + "".join(rows)
 
 
+def with_example(text: str) -> str:
+    """The first page with the example in it, after the film and its caption.
+
+    Raises:
+        ValueError: the page shows no film.
+    """
+    blocks = text.split("\n\n")
+    film = next((i for i, block in enumerate(blocks) if block.startswith("<img ")), None)
+    if film is None:
+        raise ValueError(f"{_MAIN}: has no film: must have an <img> after which the example stands")
+    captions = sum(block.startswith("*") for block in blocks[film + 1 : film + 2])
+    blocks.insert(film + 1 + captions, _EXAMPLE_TEXT)
+    return "\n\n".join(blocks)
+
+
 _MOVED = '<!DOCTYPE html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=README.html"><title>evcot</title>\n'
 
 
@@ -187,8 +211,9 @@ def build(folder: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     source, site, here = folder / "source", folder / "site", Path(__file__).parent
     stage(source)
-    with (source / _MAIN).open("a", encoding="utf-8") as first:
-        first.write(_toctrees())
+    first = source / _MAIN
+    first.write_text(with_example(first.read_text(encoding="utf-8")) + _toctrees(), encoding="utf-8")
+    _add_example(source, folder / "run")
     (source / _REFERENCE).write_text(_REFERENCE_TEXT, encoding="utf-8")
     _add_notebooks(source)
     (folder / "static").mkdir()
@@ -212,6 +237,14 @@ def _add_notebooks(source: Path) -> None:
         (folder / f"{script.stem}.ipynb").write_text(notebook(script.read_text(encoding="utf-8")), encoding="utf-8")
         with (source / "docs" / "guides" / f"{script.stem}.md").open("a", encoding="utf-8") as page:
             page.write(f'\n<a href="{script.stem}.ipynb" download>Download this guide as a Jupyter notebook</a>\n')
+
+
+def _add_example(source: Path, run: Path) -> None:
+    """Simulate the scene of the first page and put its report next to that page."""
+    _run("evcot", *_EXAMPLE_COMMAND.split(), "--no-waves", "--quiet", "-o", str(run))
+    target = source / "extra" / _EXAMPLE
+    target.parent.mkdir(parents=True)
+    _run("evcot", "report", str(run), "-o", str(target), "--quiet")  # without links to the run's other files
 
 
 def _run(module: str, *arguments: str) -> None:

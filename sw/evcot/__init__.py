@@ -25,7 +25,16 @@ from ._stale_kernels import keep_kernels_in_cache as _keep_kernels_in_cache
 if TYPE_CHECKING:
     from .api import evaluate, plot, render, simulate, track, tracker
     from .api import filter_recording as filter
-    from .errors import ConfigError, EvcotError, OutputError, RecordingError, RecordingWarning, ToolchainError, TrackLogError
+    from .errors import (
+        ConfigError,
+        EngineError,
+        EvcotError,
+        OutputError,
+        RecordingError,
+        RecordingWarning,
+        ToolchainError,
+        TrackLogError,
+    )
     from .events import Events, Recording
     from .filters.config import FilterConfig
     from .filters.hot_pixels import learn_hot_pixels
@@ -41,6 +50,7 @@ if TYPE_CHECKING:
     from .metrics.rule import Rule, load_rule
     from .metrics.scores import Scores
     from .metrics.truth import GroundTruth, read_truth
+    from .page import Page
     from .recordings.describe import describe
     from .recordings.files import RecordingFile, open_recording, write_events
     from .recordings.files import read_recording as read
@@ -58,6 +68,7 @@ if TYPE_CHECKING:
     from .tracks.formats.registry import read_boxes, write_boxes
     from .tracks.log import DROPPED, TRACK, Kind, TrackLog
     from .tracks.timeline import lifetimes
+    from .tracks.track import Box, Track, Tracks
     from .tracks.tracking import Tracker
 
 __all__ = [
@@ -68,10 +79,12 @@ __all__ = [
     "REGISTERS",
     "SCENES",
     "TRACK",
+    "Box",
     "Boxes",
     "ConfigError",
     "CotConfig",
     "Engine",
+    "EngineError",
     "EvcotError",
     "Events",
     "FilterConfig",
@@ -82,6 +95,7 @@ __all__ = [
     "MotionConfig",
     "MotionRegisters",
     "OutputError",
+    "Page",
     "PublishedCascade",
     "PublishedConfig",
     "PublishedTracker",
@@ -99,9 +113,11 @@ __all__ = [
     "State",
     "TickedEvents",
     "ToolchainError",
+    "Track",
     "TrackLog",
     "TrackLogError",
     "Tracker",
+    "Tracks",
     "Transport",
     "Truth",
     "boxes_of_log",
@@ -130,7 +146,7 @@ __all__ = [
     "write_events",
 ]
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _keep_kernels_in_cache()
 _forget_stale_kernels(_Path(__file__).parent)
@@ -140,7 +156,8 @@ __getattr__, __dir__ = _lazily(
     {
         "api": ("evaluate", "filter_recording as filter", "plot", "render", "simulate", "track", "tracker"),
         "errors": (
-            "ConfigError", "EvcotError", "OutputError", "RecordingError", "RecordingWarning", "ToolchainError", "TrackLogError",
+            "ConfigError", "EngineError", "EvcotError", "OutputError", "RecordingError", "RecordingWarning", "ToolchainError",
+            "TrackLogError",
         ),
         "events": ("Events", "Recording"),
         "filters.config": ("FilterConfig",),
@@ -156,6 +173,7 @@ __getattr__, __dir__ = _lazily(
         "metrics.rule": ("Rule", "load_rule"),
         "metrics.scores": ("Scores",),
         "metrics.truth": ("GroundTruth", "read_truth"),
+        "page": ("Page",),
         "recordings.describe": ("describe",),
         "recordings.files": (
             "RecordingFile", "open_recording", "read_recording as read", "write_events", "write_recording as write",
@@ -173,6 +191,7 @@ __getattr__, __dir__ = _lazily(
         "tracks.formats.registry": ("read_boxes", "write_boxes"),
         "tracks.log": ("DROPPED", "TRACK", "Kind", "TrackLog"),
         "tracks.timeline": ("lifetimes",),
+        "tracks.track": ("Box", "Track", "Tracks"),
         "tracks.tracking": ("Tracker",),
     },
 )  # fmt: skip

@@ -11,11 +11,10 @@ from typing import Any
 from .errors import ConfigError, RecordingError
 from .events import Events, Recording
 from .filters.config import FilterConfig
-from .metrics.of_scene import ground_truth_of
 from .metrics.rule import Rule, load_rule
-from .metrics.scores import Scores
+from .metrics.scores import Scores, warn_of_other_truth
 from .metrics.scores import evaluate as score
-from .metrics.truth import GroundTruth, read_truth, rule_for
+from .metrics.truth import GroundTruth, ground_truth_of, read_truth, rule_for
 from .recordings.formats.source import Sensor
 from .scenes.registry import simulate_scene
 from .scenes.scene import Scene
@@ -27,7 +26,7 @@ from .tracks.formats.base import FrameClock
 from .tracks.formats.of_log import log_of_boxes
 from .tracks.formats.registry import is_boxes, read_boxes
 from .tracks.log import TrackLog
-from .tracks.reading import in_the_name_of, open_log
+from .tracks.log_files import in_the_name_of, open_log
 from .tracks.tracking import Tracker, signed_log_of
 
 __all__ = ["evaluate", "filter_recording", "plot", "render", "simulate", "track", "tracker"]
@@ -247,18 +246,25 @@ def evaluate(
         TrackLogError: a log or boxes that cannot be used, or whose times lie apart from those of the truth.
         ConfigError: a rule that cannot be used, or no rule for a truth that was read by `read_truth`.
         RecordingError: a truth that cannot be read.
+
+    Warns:
+        RecordingWarning: hardly any track meets an object, as with the truth of another recording.
     """
     chosen = _rule(truth, rule, truth_format).on(sensor)
+    name = str(truth) if isinstance(truth, Path | str) else "truth"
     if isinstance(truth, Truth):
         truth = ground_truth_of(truth, chosen)
     elif not isinstance(truth, GroundTruth):
         truth = read_truth(truth, chosen, clock=clock, format=truth_format)
     if isinstance(log, TrackLog):
-        return score(log, truth, chosen)
-    boxes = log_format is not None or is_boxes(log)
-    opened = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else open_log(log)
-    with in_the_name_of(log):
-        return score(opened, truth, chosen)
+        scores = score(log, truth, chosen)
+    else:
+        boxes = log_format is not None or is_boxes(log)
+        opened = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else open_log(log)
+        with in_the_name_of(log):
+            scores = score(opened, truth, chosen)
+    warn_of_other_truth(scores, name)
+    return scores
 
 
 @contextmanager

@@ -6,9 +6,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from ._numba_private import step, trailing_zeros
+from ._numba_private import njit, step, trailing_zeros
 
 __all__ = ["BYTES", "bits_between", "count", "lowest", "without_lowest"]
 

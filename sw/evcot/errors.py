@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import difflib
+import os
+import re
 from collections.abc import Iterable
 
 __all__ = [
     "ConfigError",
     "DamagedRecordingError",
+    "EngineError",
     "EvcotError",
     "OutputError",
     "RecordingError",
@@ -16,10 +19,13 @@ __all__ = [
     "ToolchainError",
     "TrackLogError",
     "meant",
+    "reason_of",
 ]
 
 
 _ALIKE = 0.7  # of 1, by difflib's measure
+# A file or a folder that gets its own name when it is complete: see `outputs`.
+_ASIDE = re.compile(r"(?<![^/])\.([^/]+)\.[0-9a-f]{8}\.partial(?![^/])")
 
 
 class EvcotError(Exception):
@@ -42,6 +48,10 @@ class ConfigError(EvcotError, ValueError):
     """A parameter outside its range: names the field, the value and the rule."""
 
 
+class EngineError(EvcotError, RuntimeError):
+    """A tracker of another package that cannot be used: names engine, package, what happened or the rule."""
+
+
 class ToolchainError(EvcotError, RuntimeError):
     """A compiler or simulator is missing, too old, or failed: names the tool and what to install."""
 
@@ -52,6 +62,20 @@ class OutputError(EvcotError, OSError):
 
 class TrackLogError(EvcotError, ValueError):
     """A stored TrackLog that cannot be used: names the file, the field and the rule."""
+
+
+def reason_of(error: OSError, path: object = "") -> str:
+    """Why a file cannot be read or written, never empty: the system's text, after the file that it names if that is another.
+
+    Args:
+        path: the file that the message names already, or what the message begins with.
+    """
+    reason = error.strerror or " ".join(str(error).split()) or type(error).__name__
+    if not isinstance(error.filename, str | bytes):
+        return reason
+    named, said = _ASIDE.sub(r"\1", os.fsdecode(error.filename)), str(path)
+    is_said = said.endswith(named) or os.path.realpath(said) == os.path.realpath(named)
+    return reason if is_said else f"{named}: {reason}"
 
 
 def meant(word: str, known: Iterable[str]) -> str:

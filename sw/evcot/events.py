@@ -5,13 +5,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from .dataframes import Columns, pandas_frame, polars_frame
 from .errors import RecordingError
+from .page import EVENTS_MAX, HEIGHT_PX, Page
 from .structured import EVENT_CD, array_of, columns_of
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
 
 __all__ = ["Events", "Fault", "Recording", "check_sensor", "find_fault"]
 
@@ -109,9 +116,28 @@ class Events:
         """
         return array_of((self.t_us, self.x, self.y, self.p), np.dtype(dtype))
 
+    def to_pandas(self) -> pandas.DataFrame:
+        """A copy with one row per event and the columns `t_us`, `x`, `y` and `p`.
+
+        Raises:
+            ConfigError: pandas is not installed.
+        """
+        return pandas_frame(self._columns())
+
+    def to_polars(self) -> polars.DataFrame:
+        """As `to_pandas`.
+
+        Raises:
+            ConfigError: Polars is not installed.
+        """
+        return polars_frame(self._columns())
+
+    def _columns(self) -> Columns:
+        return {"t_us": self.t_us, "x": self.x, "y": self.y, "p": self.p}
+
     def packed(self) -> Events:
         """The same events in columns without gaps: itself where it has none, else a copy."""
-        columns: list[NDArray[Any]] = [self.t_us, self.x, self.y, self.p]
+        columns = self._columns().values()
         if all(column.flags.c_contiguous and column.flags.aligned for column in columns):
             return self
         return Events(*(np.require(column, requirements=["C", "A"]) for column in columns))
@@ -213,6 +239,27 @@ class Recording:
         fault = find_fault(events, self.width, self.height)
         if fault is not None:
             raise RecordingError(f"{self.name}: {fault.describe()}")
+
+    def show(self, *logs: object, events_max: int = EVENTS_MAX, height_px: int = HEIGHT_PX) -> Page:
+        """The page of `evcot report` for a notebook: the events, with the tracks of logs if they are given.
+
+        Example:
+            recording.show(evcot.track(recording))
+
+        Args:
+            logs: each a `TrackLog` of this recording.
+            events_max: most events in the page, which are spread evenly over the recording.
+            height_px: height of the frame in the notebook.
+
+        Raises:
+            ConfigError: no log or one with more events than the recording has, or a value outside its range.
+        """
+        page: Page = resolve_name("evcot_cosim.notebook:recording_page")(self, logs, events_max, height_px)
+        return page
+
+    def _repr_html_(self) -> str:
+        """The recording in a notebook: the page that `show` makes."""
+        return self.show()._repr_html_()
 
     def window(self, from_us: int = 0, to_us: int | None = None) -> Recording:
         """The events with from_us <= t - t_us[0] < to_us as a new recording; to_us None for the end.

@@ -27,7 +27,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from .errors import ConfigError, OutputError
+from .errors import ConfigError, OutputError, reason_of
 from .toml_file import toml_tables
 
 __all__ = [
@@ -240,7 +240,7 @@ def _in_one_line(name: Path | str) -> Iterator[None]:
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(f"{name}: cannot be written: {error.strerror or error}") from error
+        raise OutputError(f"{name}: cannot be written: {reason_of(error, name)}") from error
 
 
 # ---- folders

@@ -3,7 +3,8 @@
 
 The folder `.NAME.unfinished` holds files that only grow, and `checkpoint`, the state of everything else at some moment,
 with how long the files were. It is removed when the work is done, and when it fails; it stays when the process ends in
-between, and when the disk is full. What other settings or other inputs left there is not used.
+between, and when a file cannot be written: on a full disk, or where the user's files are in the way. What other settings or
+other inputs left there is not used.
 
 The file `lock` in it says that evcot made it. A folder without this file, or a link, is the user's and is refused.
 """
@@ -25,7 +26,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
-from .errors import OutputError
+from .errors import OutputError, reason_of
 from .outputs import spool_folder
 
 __all__ = ["CHECKPOINT_EVENTS", "Unfinished", "folder_of", "unfinished"]
@@ -67,14 +68,20 @@ class Unfinished:
 
         Args:
             state: objects of evcot and of NumPy, and plain values.
+
+        Raises:
+            OutputError: it cannot be written; the last one is kept.
         """
         content = self._key().encode() + b"\n" + pickle.dumps(state, protocol=5)
-        aside = self.folder / f"{_STATE}.new"
-        with aside.open("wb") as file:
-            file.write(_HEAD + blake2b(content, digest_size=_DIGEST_BYTES).digest() + content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(aside, self.folder / _STATE)
+        place, aside = self.folder / _STATE, self.folder / f"{_STATE}.new"
+        try:
+            with aside.open("wb") as file:
+                file.write(_HEAD + blake2b(content, digest_size=_DIGEST_BYTES).digest() + content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(aside, place)
+        except OSError as error:
+            raise OutputError(f"{place}: cannot be written: {reason_of(error, aside)}") from error
         self.state = state
 
     def load(self) -> None:
@@ -126,8 +133,8 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
         key: a text that changes with everything on which the result depends; it is called only when it is needed.
 
     Raises:
-        OutputError: another process is at the same work, the folder cannot be written, or the disk is full: then, after a
-            checkpoint, the folder stays.
+        OutputError: another process is at the same work, the folder cannot be written, or a file of the work cannot: then,
+            after a checkpoint, the folder stays.
     """
     folder = folder_of(path)
     try:
@@ -137,7 +144,7 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
             folder.parent.mkdir(parents=True, exist_ok=True)
             _make(folder)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise OutputError(f"{path}: cannot be written: {reason_of(error, path)}") from error
     if special:
         with tempfile.TemporaryDirectory() as temporary:
             work = Unfinished(Path(temporary), key)
@@ -150,10 +157,14 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
         try:
             with work.held:
                 yield work
-        except Exception as error:
-            if work.state is not None and _is_full(error):
-                rule = "free some space and give the same command again: it goes on from its last checkpoint"
-                raise OutputError(f"{_said(error)}; {rule} (kept in {folder})") from error
+        except OSError as error:
+            if work.state is None:
+                _remove(folder, parents)
+                raise
+            remedy = "free some space" if _is_full(error) else "remove the cause"
+            rule = f"{remedy} and give the same command again: it goes on from its last checkpoint"
+            raise OutputError(f"{_said(error)}; {rule} (kept in {folder})") from error
+        except Exception:
             _remove(folder, parents)
             raise
         except BaseException:
@@ -196,11 +207,12 @@ def _is_full(error: BaseException | None) -> bool:
     return False
 
 
-def _said(error: Exception) -> str:
+def _said(error: OSError) -> str:
     """An error in one line; of one that is Python's own, with its file."""
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename or 'a file'}: cannot be written: {error.strerror}"
-    return str(error)
+    if isinstance(error, OutputError):
+        return str(error)
+    named = error.filename or "a file"
+    return f"{named}: cannot be written: {reason_of(error, named)}"
 
 
 @contextmanager
@@ -214,7 +226,7 @@ def _locked(folder: Path, path: Path) -> Iterator[None]:
     try:
         lock = (folder / _LOCK).open("r+b")
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise OutputError(f"{path}: cannot be written: {reason_of(error, path)}") from error
     with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -23,10 +23,11 @@ from evcot.scenes import insects
 from evcot.scenes.insects import Insects
 from evcot.scenes.shapes import KIND, QUADRANGLE, X, Y
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from field import digits, kept, recorded, second, traffic
+from field import digits, recorded, second, traffic
+from field import member as field_member
 from field.choose import left_out
 from field.contenders import Contender, contenders, more_settings
-from field.faint import without_faint
+from field.hard import without_faint
 from field.member import Absent, Entry, Member, nothing_there, scene_rule
 from field.oracle import oracle_log
 from field.reference import SEEN, Scale, reference
@@ -242,7 +243,7 @@ def test_a_reference_finds_a_known_path_through_noise_and_a_silence() -> None:
 def test_equal_seed_sets_are_equal_members_and_others_are_not(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     made = []
     for number, seed_set in enumerate((1, 1, 2)):
-        monkeypatch.setattr(kept, "FOLDER", tmp_path / str(number))  # nothing is kept from one to the next
+        monkeypatch.setattr(field_member, "FOLDER", tmp_path / str(number))  # nothing is kept from one to the next
         made.append(next(one for one in field.entries(seed_set, True) if one.family == "boxes").build())
     first, again, other = made
     assert np.array_equal(first.recording.events.t_us, again.recording.events.t_us)
@@ -250,7 +251,7 @@ def test_equal_seed_sets_are_equal_members_and_others_are_not(monkeypatch: pytes
 
 
 def test_what_is_kept_is_what_was_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(kept, "FOLDER", tmp_path)
+    monkeypatch.setattr(field_member, "FOLDER", tmp_path)
     entry = next(one for one in field.entries(1, True) if one.family == "boxes")
     first = entry.build()
     assert len(list(tmp_path.glob("members/*.npz"))) == 1
@@ -590,6 +591,7 @@ def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
         (f"--trackers frames --keep {__file__}", f"--keep {__file__}: must be a file that does not exist yet"),
         ("--trackers frames --against moon.json", "--against moon.json: must be a file that --keep wrote"),
         ("--families moon", "--families moon: no family begins so"),
+        ("--members moon", "--members moon: no member has this name"),
         ("--families digits --leave-out 1", "--leave-out 1: must have families of two sources at least"),
         ("--final 1", "--final 1: must be a seed set that was not used before"),
     ],

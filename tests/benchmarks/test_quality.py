@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The comparison of the engines is a mean over draws, and an engine without a preset for the scene runs with its first one."""
+"""Measures of quality: scores, hardware against software, and losses."""
 
 from __future__ import annotations
 
+import importlib
+from collections.abc import Sequence
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,10 +17,12 @@ from cot_quality import Case
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.metrics import load_rule
+from evcot.metrics.frames import Frames, Matches
 from evcot.metrics.truth import OBJECT, GroundTruth
 from evcot.trackers.adaptive.config import AdaptiveConfig
 from evcot.trackers.adaptive.tracker import AdaptiveTracker
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from losses import Boxes, instead, when
 
 
 def case() -> Case:
@@ -67,3 +72,97 @@ def test_an_engine_without_a_preset_for_the_scene_has_its_first(monkeypatch: pyt
         monkeypatch.setattr(quality, "ENGINES", {"some": engine})
         quality.follow(case(), "some")
     assert started == [("first", filters, (20, 20)), ("own", FilterConfig(), (20, 20))]
+
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+N = 10  # instants
+
+
+@pytest.fixture
+def benchmark(monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    return importlib.import_module
+
+
+def story(tracks: Sequence[Sequence[int]], similarity: float = 1.0) -> Frames:
+    """One object at every instant. Tracks per instant: the first that is not 9 lies on it, number 9 lies nowhere."""
+    similarities = [np.array([[0.0 if track == 9 else similarity for track in own]]) for own in tracks]
+    return Frames(
+        tuple(np.array([0]) for _ in tracks),
+        tuple(np.array(own, np.int64) for own in tracks),
+        tuple(one.reshape(1, len(own)) for one, own in zip(similarities, tracks, strict=True)),
+        1,
+        10,
+    )
+
+
+@pytest.mark.parametrize(
+    ("frames", "mended"),
+    [
+        (story([[1]] * N, 0.4), "every track on its object's centre"),
+        (story([[1]] * (N // 2) + [[2]] * (N // 2)), "no switch"),
+        (story([[1, 9]] * N), "no false track"),
+        (story([[1]] * (N - 3) + [[]] * 3), "no object missed"),
+    ],
+)
+def test_a_story_with_one_mistake_is_perfect_once_that_is_mended(benchmark: Any, frames: Frames, mended: str) -> None:
+    found = benchmark("what_if").what_if(frames)
+    assert list(found) == list(benchmark("what_if").WHAT_IF)
+    assert found.pop(mended) == pytest.approx(1)
+    assert {round(value, 9) for value in found.values()} == {round(found["as it is"], 9)}
+    assert found["as it is"] < 0.9
+
+
+def test_what_if_finds_pairs_in_any_order_of_numbers(benchmark: Any) -> None:
+    nearness = np.array([[0.0, 0.8], [0.6, 0.0]])
+    swapped = nearness[:, ::-1].copy()
+    frames = Frames(
+        (np.array([1, 0]),) * 2, (np.array([7, 3]), np.array([3, 7])), (nearness, swapped), 2, 8
+    )  # object 1 has track 3, object 0 has track 7
+    found = benchmark("what_if").what_if(frames)
+    assert found["every track on its object's centre"] == pytest.approx(1)
+    assert found["no switch"] == pytest.approx(found["as it is"])
+
+
+def test_a_truth_between_two_times(benchmark: Any) -> None:
+    objects = np.zeros(4, OBJECT)
+    objects["frame"], objects["object"] = (0, 1, 1, 2), (5, 5, 6, 6)
+    truth = GroundTruth(np.array([100, 200, 300]), objects, tuple("abcdefg"))
+    part = benchmark("cot_quality").between(truth, 200, 300)
+    assert part.instants_us.tolist() == [200]
+    assert (part.objects["frame"].tolist(), part.objects["object"].tolist()) == ([0, 0], [5, 6])
+    assert truth.objects["frame"].tolist() == [0, 1, 1, 2]  # untouched
+
+
+def test_a_tuned_preset_beats_the_one_for_the_sensor_and_hardware_and_model_agree(benchmark: Any) -> None:
+    quality = benchmark("cot_quality")
+    case = quality.simulated("discs", "discs", "discs", {"duration_us": 1_000_000}, 21)
+    tuned, untuned = (quality.score(case, quality.ENGINES[name]).hota for name in ("hardware", "hardware, untuned"))
+    assert tuned > untuned + 0.02
+
+
+CAR, OTHER = [10.0, 10.0, 4.0, 4.0], [22.0, 10.0, 4.0, 4.0]
+
+
+def boxes(*rows: list[float]) -> Boxes:
+    return np.array(rows, np.float64).reshape(-1, 4)
+
+
+@pytest.mark.parametrize(("frame", "of", "said"), [(1, 0, "before"), (3, 0, "between"), (7, 0, "after"), (3, 1, "never")])
+def test_when_an_object_is_missed(frame: int, of: int, said: str) -> None:
+    matches = Matches(np.array([2, 5, 3]), np.array([0, 0, 2]), np.array([4, 4, 4]), np.ones(3))
+    assert when(matches, frame, of) == said
+
+
+@pytest.mark.parametrize(
+    ("reported", "others", "said"),
+    [
+        ([[16.0, 10.0, 12.0, 5.0]], [CAR], "box over several"),
+        ([[12.0, 10.0, 6.0, 5.0]], [CAR], "box beside"),
+        ([[13.0, 12.0, 1.0, 1.0]], [], "box beside"),  # in it, but not over its centre
+        ([OTHER], [CAR], "not reported"),
+        ([OTHER], [], "nothing"),
+    ],
+)
+def test_what_is_there_instead(reported: list[list[float]], others: list[list[float]], said: str) -> None:
+    assert instead(np.array(CAR), boxes(CAR, OTHER), boxes(*reported), boxes(*others)) == said

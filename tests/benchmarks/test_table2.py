@@ -70,7 +70,7 @@ def test_only_a_life_that_ends_on_a_moving_box_is_lost_on_the_way(benchmark: Any
 
 
 def test_settings_are_those_of_the_paper(benchmark: Any) -> None:
-    table2 = benchmark("table2_runs")
+    table2 = benchmark("table2")
     for adjustment in table2.Adjustment:
         config = table2.configured(table2.Setting(3, 7, adjustment), (346, 260)).hardware
         slot = config.slots[0]
@@ -86,12 +86,12 @@ def test_settings_are_those_of_the_paper(benchmark: Any) -> None:
 def test_time_at_each_n_ev_is_weighted_by_how_long_it_lasted(benchmark: Any) -> None:
     records = np.zeros(5, TRACK)
     records["t_us"], records["track_id"], records["n_ev"] = (0, 10, 15, 40, 100), (0, 1, 0, 0, 1), (8, 4, 16, 8, 2)
-    n_ev, lasted_us = benchmark("table2_runs").n_ev_over_time(TrackLog("cot_array", records, np.zeros(1, np.int16)))
+    n_ev, lasted_us = benchmark("table2").n_ev_over_time(TrackLog("cot_array", records, np.zeros(1, np.int16)))
     assert list(zip(n_ev.tolist(), lasted_us.tolist(), strict=True)) == [(8, 15), (16, 25), (4, 90)]
 
 
 def test_hardware_and_model_give_one_outcome(benchmark: Any, scene: Scene) -> None:
-    table2 = benchmark("table2_runs")
+    table2 = benchmark("table2")
     short = replace(scene, recording=replace(scene.recording, events=scene.recording.events[:20_000]))
     setting = table2.Setting(3, 7, table2.Adjustment.WIDE)
     assert asdict(table2.outcome(short, setting)) == asdict(table2.outcome(short, setting, rtl=False))
@@ -99,7 +99,7 @@ def test_hardware_and_model_give_one_outcome(benchmark: Any, scene: Scene) -> No
 
 def test_n_ev_does_not_decide_how_far_a_centre_lags_in_pixels_but_alpha_does(benchmark: Any) -> None:
     """Events come as often as the box moves, so a lag counted in events is one in pixels, whatever the speed."""
-    table2 = benchmark("table2_runs")
+    table2 = benchmark("table2")
     lag_px = {
         (speed, hist_avg): table2.outcome(
             table2.scene(speed, 1, 600_000), table2.Setting(8, 20, table2.Adjustment.FIXED, hist_avg), rtl=False

@@ -28,7 +28,7 @@ from evcot.trackers.settings import engine_settings
 from evcot_cosim.live.visible_clusters import Alive
 
 PACKAGE = Path(__file__).parents[2] / "contrib" / "evcot_ros"
-NEEDED = ("rclpy", "event_camera_msgs", "vision_msgs")
+NEEDED = ("rclpy", "event_camera_msgs", "vision_msgs", "geometry_msgs", "visualization_msgs")
 HAS_ROS = all(importlib.util.find_spec(name) is not None for name in NEEDED)
 
 
@@ -36,6 +36,7 @@ class FakeNode:
     """What the node uses of rclpy.node.Node: it keeps what is made, and nothing runs by itself."""
 
     parameters: dict[str, Any] = {}  # noqa: RUF012
+    subscribers = 0  # of each topic that is published
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -48,7 +49,9 @@ class FakeNode:
         return SimpleNamespace(value=self.parameters.get(name, default))
 
     def create_publisher(self, _kind: type, topic: str, _depth: int) -> SimpleNamespace:
-        return SimpleNamespace(publish=self.published.setdefault(topic, []).append)
+        return SimpleNamespace(
+            publish=self.published.setdefault(topic, []).append, get_subscription_count=lambda: self.subscribers
+        )
 
     def create_subscription(self, _kind: type, topic: str, callback: Any, _profile: Any) -> None:
         self.subscribed[topic] = callback
@@ -82,13 +85,37 @@ class ObjectHypothesisWithPose:
         self.hypothesis = SimpleNamespace(class_id="", score=0.0)
 
 
+class Point(SimpleNamespace):
+    """Fields of geometry_msgs."""
+
+
+class Marker(SimpleNamespace):
+    """Fields of visualization_msgs that are used, with the values of its constants."""
+
+    ADD, DELETEALL, LINE_STRIP, TEXT_VIEW_FACING = 0, 3, 4, 9
+
+    def __init__(self, **given: Any) -> None:
+        pose = SimpleNamespace(position=Point(x=0.0, y=0.0, z=0.0), orientation=SimpleNamespace(w=0.0))
+        rest = {"scale": SimpleNamespace(x=0.0, z=0.0), "color": SimpleNamespace(), "points": [], "text": "", "pose": pose}
+        super().__init__(**rest, **given)
+
+
+class MarkerArray:
+    def __init__(self) -> None:
+        self.markers: list[Marker] = []
+
+
 class EventPacket(SimpleNamespace):
     """Fields of event_camera_msgs."""
 
 
 def fake_modules() -> dict[str, ModuleType]:
     """rclpy and the messages, as far as the node uses them."""
-    made = {name: ModuleType(name) for name in (*NEEDED, "rclpy.node", "rclpy.qos", "event_camera_msgs.msg", "vision_msgs.msg")}
+    names = (*NEEDED, "rclpy.node", "rclpy.qos", *(f"{name}.msg" for name in NEEDED if name != "rclpy"))
+    made = {name: ModuleType(name) for name in names}
+    made["geometry_msgs.msg"].Point = Point  # type: ignore[attr-defined]
+    for kind in (Marker, MarkerArray):
+        setattr(made["visualization_msgs.msg"], kind.__name__, kind)
     made["rclpy.node"].Node = FakeNode  # type: ignore[attr-defined]
     made["rclpy.qos"].qos_profile_sensor_data = object()  # type: ignore[attr-defined]
     made["event_camera_msgs.msg"].EventPacket = EventPacket  # type: ignore[attr-defined]
@@ -188,6 +215,45 @@ def test_tracks_of_a_scene_come_as_detections(node: Any, discs: Events) -> None:
         assert result.hypothesis.class_id == "object"
         assert result.hypothesis.score == row["confidence"]
     node.on_figures()
+
+
+def test_rviz_shows_an_outline_and_an_id_of_each_object(node: Any, discs: Events, monkeypatch: pytest.MonkeyPatch) -> None:
+    marker_kind = importlib.import_module("visualization_msgs.msg").Marker
+    shown: list[Any] = []
+    monkeypatch.setattr(node._markers, "publish", shown.append)
+    node.on_packet(packet(discs))
+    wait_until(lambda: len(node._session.clusters.states) > 0)
+    monkeypatch.setattr(node._markers, "get_subscription_count", lambda: 0)
+    node.on_time()
+    assert shown == [], "nobody subscribes"
+    monkeypatch.setattr(node._markers, "get_subscription_count", lambda: 1)
+    tracked_s = (discs.t_us[-1] - discs.t_us[0]) / 1e6
+    wait_until(lambda: node._session.figures()["recording_s"] == tracked_s)
+    node.on_time()
+    (first, *rest), states = shown[0].markers, node._session.clusters.states
+    assert first.action == marker_kind.DELETEALL
+    assert [(each.ns, each.id) for each in rest] == [(ns, i) for i in states["track_id"].tolist() for ns in ("outline", "id")]
+    for outline, text, row in zip(rest[::2], rest[1::2], states, strict=True):
+        assert (outline.type, text.type) == (marker_kind.LINE_STRIP, marker_kind.TEXT_VIEW_FACING)
+        assert text.text == str(row["track_id"])
+        assert outline.pose.orientation.w == 1.0
+        left, top = row["x"] - row["width"] / 2 + 0.5, row["y"] - row["height"] / 2 + 0.5
+        corners = [(point.x, point.y) for point in outline.points]
+        assert corners[0] == corners[4]
+        assert corners[0] == pytest.approx((left * 0.01, top * 0.01))
+        assert corners[2] == pytest.approx(((left + row["width"]) * 0.01, (top + row["height"]) * 0.01))
+        assert text.pose.position.y < top * 0.01
+
+
+def test_a_turned_box_has_turned_corners(node_module: ModuleType) -> None:
+    from evcot.tracks.log import TRACK
+    from evcot_cosim.live.visible_clusters import Clusters
+
+    row = np.zeros(1, TRACK)
+    row["x"], row["y"], row["width"], row["height"], row["angle"] = 9.5, 19.5, 8, 4, np.pi / 2
+    made = importlib.import_module("evcot_ros.markers").markers(Clusters(row, np.zeros(1, np.int64)), header(0))
+    corners = [(round(100 * point.x, 9), round(100 * point.y, 9)) for point in made.markers[1].points]
+    assert corners == [(12, 16), (12, 24), (8, 24), (8, 16), (12, 16)]
 
 
 def test_another_sensor_or_encoding_is_refused_in_one_line(node: Any, discs: Events) -> None:

@@ -24,8 +24,7 @@ from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.top_device import address_of, slot_address
 from evcot_cosim.pages.interfaces import DIAGRAMS
 from evcot_cosim.pages.modules import page
-from evcot_cosim.pages.stimulus import play
-from evcot_cosim.pages.trace import Trace, wave
+from evcot_cosim.pages.trace import Trace, play, wave
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files, search_flags
 from evcot_cosim.rtl.toolchain import find_toolchain

@@ -35,7 +35,7 @@ ARRAY = replace(SHAPE, n_slots=4)
 MOTION = Shape(4, x_w=6, y_w=6, tick_w=4, radix_w=4, tc_w=12, sup_w=6, id_w=4, seq_w=8, time_w=32)
 
 # Short runs of cot_motion in which several tracks merge; of random ones few have any.
-MERGING = (20486, 42074, 62002)
+MERGING = (2247, 22783, 61880, 72537)
 
 Run = tuple[CotConfig | MotionConfig, TickedEvents, Stalls | None]
 

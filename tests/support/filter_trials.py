@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from evcot.ticks import TickedEvents
 from evcot_cosim.devices.filter_device import FilterDevice
 
-from .ticked import ticked
+from .tokens import ticked
 
 __all__ = ["FilterTraffic", "compare_with_reference", "filter_traffic", "parameters", "run_story"]
 

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Track logs written by hand."""
+"""Track logs written by hand, and recordings whose events come in steps, with their exact truth."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from evcot.events import Events
 from evcot.tracks.log import TRACK, Kind, TrackLog
 
-__all__ = ["HEIGHT", "RADIUS", "WIDTH", "Row", "log_of"]
+__all__ = ["HEIGHT", "RADIUS", "WIDTH", "Row", "Square", "bursts", "log_of"]
+
 
 Row = tuple[int, Kind, int, float, float] | tuple[int, Kind, int, float, float, int]
 RADIUS, WIDTH, HEIGHT = 8.0, 20.0, 12.0
@@ -24,3 +28,41 @@ def log_of(rows: Sequence[Row], engine: str = "by hand", unit_us: int = 1) -> Tr
         record["other_id"] = row[5] if len(row) > 5 else -1
     records["radius"], records["width"], records["height"], records["confidence"] = RADIUS, WIDTH, HEIGHT, 0.5
     return TrackLog(engine, records, np.empty(0, np.int16))
+
+
+@dataclass(frozen=True)
+class Square:
+    """The outline of a square that moves: its corner in pixels at first, its velocity in pixels per second, its side."""
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    side: int = 40
+
+    def corner(self, t_us: int) -> tuple[int, int]:
+        """Its top left pixel at this time."""
+        return int(self.x + self.vx * t_us / 1e6), int(self.y + self.vy * t_us / 1e6)
+
+    def outline(self, t_us: int) -> NDArray[np.int64]:
+        """(4 side, 2): its pixels at this time; each corner stands twice."""
+        along, still = np.arange(self.side), np.zeros(self.side, np.int64)
+        edges = [(along, still), (along, still + self.side - 1), (still, along), (still + self.side - 1, along)]
+        pixels: NDArray[np.int64] = np.concatenate([np.stack(edge, axis=1) for edge in edges]) + np.array(self.corner(t_us))
+        return pixels
+
+
+def bursts(
+    step_ms: int, squares: list[Square], sensor: tuple[int, int], noise_hz: float = 0.0, lasts_ms: int = 2_000
+) -> Events:
+    """All events of a step at one time, in random order; noise, in Hz per pixel, comes with them."""
+    rng = np.random.default_rng(step_ms)
+    parts, times = [], []
+    for t_us in range(0, 1_000 * lasts_ms, 1_000 * step_ms):
+        noise = rng.integers(0, sensor, (rng.poisson(noise_hz * sensor[0] * sensor[1] * step_ms / 1e3), 2))
+        parts.append(rng.permutation(np.concatenate([*(square.outline(t_us) for square in squares), noise])))
+        times.append(np.full(len(parts[-1]), t_us))
+    places, t = np.concatenate(parts), np.concatenate(times)
+    seen = ((places >= 0) & (places < sensor)).all(axis=1)
+    x, y = places[seen].astype(np.uint16).T
+    return Events(t[seen], x, y, np.ones(int(seen.sum()), np.uint8))

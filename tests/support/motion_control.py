@@ -11,16 +11,15 @@ from pyverilator import PyVerilator
 __all__ = ["Control", "Said"]
 
 Said = tuple[str, int] | tuple[str, int, int]
-READ, STORED, WINDOW = 7, 6, 6  # clocks from an operation until what it read is there, until it has written; of a window
-LONGEST, MOST = 100, 400  # clocks in which nothing is said; what is said in all
-STAGES = ("op_read", "op_store", "op_full", "op_put", "op_clear", "op_all")
+READ, WINDOW, SOON = 4, 6, 2  # clocks from `fetch` until the slot is read: motion_work.v; of a window: motion_window.v
+LONGEST, MOST = 250, 400  # clocks in which nothing is said; what is said in all
 
 
 class Control:
-    """Operations, the axis in front, records and windows around one of them, each as late as it likes.
+    """Memory, the axis in front, records and windows around one of them; records and windows as late as they like.
 
     Attributes:
-        said: commands with their slot, in order; ("op_...", slot) of an operation, ("clear", slot, bin), ("say", slot, kind).
+        said: commands with their slot, in order; ("fetch", slot), ("clear", slot, bin), ("say", slot, kind).
         lane: whether x is behind, in the clock that comes; commands to motion_sides.v are given then.
     """
 
@@ -29,16 +28,17 @@ class Control:
         self.commands, self.to_sides = commands, frozenset(to_sides)
         ports = dir(sim.io)
         self.sees_lane = "lane" in ports
-        self.stages = [name for name in STAGES if name in ports]
+        self.clears, self.fetches, self.sees_soon = "op_clear" in ports, "fetch" in ports, "window_soon" in ports
+        self.sees_masks = "mask_busy" in ports
         self.reads = [name for name in ("load", "unite") if name in ports]
         self.stalls = False
         self.said: list[Said] = []
         self.clocks = self.lane = self.quiet = 0
         self.at = [0] * 8  # slots of the clocks before, the last one first: motion_order.v hands them on a clock late
-        self.under_way: list[tuple[int, str]] = []  # clock in which an operation is done
+        self.read_at = -1  # clock in which `fetch` is answered
         self.window_at = -1
         self.loads: tuple[str, ...] = ()
-        self.was_free = self.was_ready = False
+        self.was_free = False
 
     def reset(self) -> None:
         self.io.rst = 1
@@ -52,40 +52,51 @@ class Control:
     def clock(self) -> None:
         """One clock; inputs beside those of this class have been set."""
         io, slot, first = self.io, self.slot(), len(self.said)
-        done = [name for due, name in self.under_way if due == self.clocks]
-        ready = not self.stalls or not self.was_ready or bool(self.rng.random() < 0.6)  # low for a clock at most: motion_turn.v
+        read_done = self.read_at == self.clocks
         free = not self.stalls or bool(self.rng.random() < 0.5)
         if self.sees_lane:
             io.lane = self.lane
-        io.op_ready, io.record_free = int(ready), int(free)
-        io.read_done, io.store_done = int("read" in done), int("store" in done)
+        io.read_done, io.record_free = int(read_done), int(free)
         io.window_done = int(self.window_at == self.clocks)
-        loads = self.loads if "read" in done else ()
+        if self.sees_soon:
+            io.window_soon = int(self.window_at == self.clocks + SOON)
+        if self.sees_masks:
+            io.mask_busy = int(self.stalls and bool(self.rng.random() < 0.5))
+        if self.read_at == self.clocks + READ - 1:  # memory has its address a clock after `fetch`
+            self.said.append(("fetch", slot))
+            self.fetched(slot)
+        loads = self.loads if read_done else ()
         for name in loads:
-            assert self.steady(3)
+            assert self.steady(READ)
             self.said.append((name, slot))
         for name in self.commands:
             if int(io[name]):
                 if name in self.to_sides:
                     assert self.lane, name
-                    assert not any(what == "store" for due, what in self.under_way if due > self.clocks), name
                 if name == "c_window":
-                    self.window_at = self.clocks + (int(self.rng.integers(3, 12)) if self.stalls else WINDOW)
+                    self.window_at = self.clocks + (int(self.rng.integers(WINDOW, 12)) if self.stalls else WINDOW)
                 self.said.append(self.command(name, slot))
         if int(io.say):
             assert self.was_free
             self.said.append(("say", slot, self.kind()))
-        if int(io.op_valid) and ready:
-            self.operation(slot, first)
+        if self.fetches and int(io.fetch):
+            self.read()
+        if self.clears and int(io.op_clear):
+            self.said.append(("clear", slot, int(io.op_bin)))
         self.loads = tuple(name for name in self.reads if int(io[name]))
         self.at = [self.handed_on(), *self.at[:-1]]
         self.quiet = 0 if len(self.said) > first else self.quiet + 1
         assert self.quiet < LONGEST
         assert len(self.said) < MOST
-        self.was_free, self.was_ready = free, ready
+        self.was_free = free
         self.sim.clock.tick()
         self.clocks += 1
         self.lane = 1 if loads else 1 - self.lane
+
+    def read(self) -> None:
+        """In this clock the reading of a slot begins."""
+        assert self.clocks > self.read_at
+        self.read_at = self.clocks + READ
 
     def slot(self) -> int:
         """The slot of what is said in this clock."""
@@ -101,14 +112,5 @@ class Control:
     def kind(self) -> int:
         return int(self.io.kind)
 
-    def operation(self, slot: int, first: int) -> None:
-        """One that is taken in this clock; what is said in the same clock need not wait for the last bin to be cleared."""
-        flags = [name for name in self.stages if int(self.io[name])]
-        if flags == ["op_clear"]:
-            self.said.insert(first, ("clear", slot, int(self.io.op_bin)))
-        else:
-            self.said.append((" ".join(flags), slot))
-        if "op_read" in flags:
-            self.under_way.append((self.clocks + READ, "read"))
-        if "op_store" in flags:
-            self.under_way.append((self.clocks + STORED, "store"))
+    def fetched(self, slot: int) -> None:
+        """A slot is being read."""

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.hardware.published.model import REGISTERS, Played, PublishedConfig, PublishedTracker, decode
-from evcot_cosim.devices.clocked import rtl, simulation
-from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, quiet
+from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, quiet, rtl, simulation
 
 __all__ = ["CONFIG", "centres", "every", "n_evs", "noise", "one", "reset_tracker", "some_registers", "wandering"]
 

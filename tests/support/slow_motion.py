@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import count, pairwise
 from math import ceil, log2
+from typing import Any
 
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.tracks.log import DROPPED, Kind
@@ -14,7 +15,7 @@ from evcot.tracks.log import DROPPED, Kind
 __all__ = ["SlowArray"]
 
 PX = 4096  # a pixel, in units of a side
-LATER = 64  # events until a correction, or a candidate, is in force
+LATER, LATER_TICKS = 64, 256  # events or ticks until what was computed takes effect
 REACH_PX = 512  # how far out a box may be moved, of a sensor of at most as many pixels
 Record = tuple[int, ...]
 
@@ -34,8 +35,31 @@ def divided(distance: int, shift: int, ticks: int) -> int:
 
 
 @dataclass
+class Seen:
+    """One axis of a slot as events see and change it: what is in effect."""
+
+    lo: int
+    hi: int
+    beyond: list[bool] = field(default_factory=lambda: [False, False])
+    hidden: list[bool] = field(default_factory=lambda: [False, False])
+    box: tuple[int, int] = (1, 0)  # holds nothing
+    window: tuple[int, int] = (1, 0)
+
+    def measure(self, place: int, out: int, back: int) -> None:
+        if all(self.hidden):
+            return
+        moves = [-out if place < self.lo else back, out if place > self.hi else -back]
+        self.beyond = [self.beyond[0] or place < self.lo, self.beyond[1] or place > self.hi]
+        if self.hidden[0]:
+            moves[0] = moves[1]
+        if self.hidden[1]:
+            moves[1] = moves[0]
+        self.lo, self.hi = self.lo + moves[0], self.hi + moves[1]
+
+
+@dataclass
 class Axis:
-    """Both sides of a box on one axis."""
+    """One axis of a slot as jobs compute it."""
 
     lo: int
     hi: int
@@ -43,12 +67,16 @@ class Axis:
     off: list[int] = field(default_factory=lambda: [0, 0])  # what events have moved each side since the last correction
     beyond: list[bool] = field(default_factory=lambda: [False, False])
     hidden: list[bool] = field(default_factory=lambda: [False, False])
+    moves: list[int] = field(default_factory=lambda: [0, 0])  # of both sides, as it takes effect
     ring: int = 0
     box: tuple[int, int] = (1, 0)  # holds nothing
     bins: list[int] = field(default_factory=lambda: [0] * 16)
     bin_px: int = 1
     start: int = 0
     ways: list[int] = field(default_factory=list)  # of the corrections in one direction, the last ones
+    was: int = 0
+    pace: int = 0
+    stated: int = 0
 
     @property
     def side(self) -> int:
@@ -68,18 +96,6 @@ class Axis:
             low = high = (low + high) // 2
         self.box, self.ring = (low, high), ring
 
-    def measure(self, place: int, out: int, back: int) -> None:
-        if all(self.hidden):
-            return
-        moves = [-out if place < self.lo else back, out if place > self.hi else -back]
-        self.beyond = [self.beyond[0] or place < self.lo, self.beyond[1] or place > self.hi]
-        if self.hidden[0]:
-            moves[0] = moves[1]
-        if self.hidden[1]:
-            moves[1] = moves[0]
-        self.lo, self.hi = self.lo + moves[0], self.hi + moves[1]
-        self.off = [off + move for off, move in zip(self.off, moves, strict=True)]
-
     def common(self, slower: bool) -> int:
         """Twice the way of both sides."""
         if not slower:
@@ -94,6 +110,16 @@ class Axis:
             self.ways = []
         if way:
             self.ways.append(way)
+
+    def begin_pace(self) -> None:
+        self.was, self.pace, self.stated = self.lo + self.hi, 2 * self.v, 2 * self.v
+
+    def follow(self, steps: int) -> None:
+        way = (self.lo + self.hi - self.was + 2**19) % 2**20 - 2**19
+        way = max(-65536, min(65535, way))
+        self.pace += (way - self.pace + steps // 2) // steps
+        self.stated += (self.pace - self.stated + steps // 2) // steps
+        self.was = self.lo + self.hi
 
     def clear_bins(self) -> None:
         self.bins, self.bin_px = [0] * 16, 2 ** max(0, self.px.bit_length() - 4)
@@ -132,14 +158,43 @@ class Slot:
         self.usual, self.deadline, self.reported = r.detect_ticks, counted + r.detect_ticks, 0
         for axis in self.axes:
             axis.clear_bins()
-        self.due: int | None = None  # number of the event from which on what was found is in force
-        self.next_rings = self.rings()
+        self.seen = [Seen(axis.lo, axis.hi) for axis in self.axes]
+        self.visible_seen = self.left_seen = False
+        self.owned = 0  # events since the last job
+        self.corrects = True  # a correction, or the slot as a new candidate, has not taken effect
+        self.merged = False  # since the last correction
+        self.free = self.free_later = False  # computed, and with the slot's next effect
+        self.due: tuple[int, int] | None = None  # event and tick before which what was computed takes effect
+        self.computed = False  # something of it has not taken effect
+        self.ends_with: Slot | None = None  # another slot's step has ended it, and it ends in effect as that one takes effect
         self.support = 1
+        self.set_window()
 
-    def put_in_force(self) -> None:
-        self.due, self.count = None, 0
-        for axis, ring in zip(self.axes, self.next_rings, strict=True):
-            axis.set_box(ring)
+    def wait(self, number: int, now: int) -> None:
+        self.due = number + LATER, now + LATER_TICKS
+
+    def begin(self, support_max: int) -> None:
+        """A job begins with what events have made of the slot."""
+        for axis, seen in zip(self.axes, self.seen, strict=True):
+            low, high = seen.lo + axis.moves[0], seen.hi + axis.moves[1]
+            axis.off = [axis.off[0] + low - axis.lo, axis.off[1] + high - axis.hi]
+            axis.lo, axis.hi, axis.beyond = low, high, [False, False]
+        self.support, self.owned = min(self.support + self.owned, support_max), 0
+
+    def finish(self) -> None:
+        """The job ends: what is to take effect."""
+        self.computed = True
+        self.free_later = self.free
+        for axis, seen in zip(self.axes, self.seen, strict=True):
+            axis.moves = [axis.lo - seen.lo, axis.hi - seen.hi]
+
+    def take_effect(self) -> None:
+        self.computed = self.corrects = False
+        self.visible_seen, self.left_seen = self.visible, self.left
+        for axis, seen in zip(self.axes, self.seen, strict=True):
+            seen.lo, seen.hi, axis.moves = seen.lo + axis.moves[0], seen.hi + axis.moves[1], [0, 0]
+            seen.hidden, seen.box, seen.window = list(axis.hidden), axis.box, axis.window
+            seen.beyond = [a or b for a, b in zip(seen.beyond, axis.beyond, strict=True)]
 
     def set_window(self) -> None:
         for axis, ring in zip(self.axes, self.rings(), strict=True):
@@ -166,27 +221,36 @@ class Slot:
     def holds(self, place: tuple[int, int]) -> bool:
         return all(axis.window[0] <= at <= axis.window[1] for axis, at in zip(self.axes, place, strict=True))
 
+    def sees(self, place: tuple[int, int]) -> bool:
+        """Whether the window in effect holds it."""
+        return all(seen.window[0] <= at <= seen.window[1] for seen, at in zip(self.seen, place, strict=True))
+
     def boxes(self, place: tuple[int, int]) -> bool:
-        return all(axis.box[0] <= at <= axis.box[1] for axis, at in zip(self.axes, place, strict=True))
+        """Whether the box in effect holds it."""
+        return all(seen.box[0] <= at <= seen.box[1] for seen, at in zip(self.seen, place, strict=True))
 
     def take(self, place: tuple[int, int], shared: bool, support_max: int) -> bool:
         r = self.r
-        self.support = min(self.support + 1, support_max)
-        if shared or self.due is not None:
+        self.owned = min(self.owned + 1, support_max)
+        if shared:
             return False
         back = r.side_step >> r.side_share
-        faster = 1 if self.visible else 2
-        for axis, at in zip(self.axes, place, strict=True):
-            number = (at - pixel(axis.lo)) // axis.bin_px
-            if r.gap_corrections and 0 <= number < 16:
+        faster = 1 if self.visible_seen else 2
+        for axis, seen, at in zip(self.axes, self.seen, place, strict=True):
+            number = (at - pixel(seen.lo)) // axis.bin_px
+            if r.gap_corrections and not self.corrects and 0 <= number < 16:
                 axis.bins[number] += 1
-            axis.measure(at * PX, faster * (r.side_step - back), faster * back)
+            seen.measure(at * PX, faster * (r.side_step - back), faster * back)
+        if self.corrects:
+            return False
         self.count += 1
         return self.count >= self.n_ev
 
     def correct(self, now: int, counted: int | None = None) -> None:
         r = self.r
-        for axis in self.axes:
+        self.count = 0
+        for axis, seen in zip(self.axes, self.seen, strict=True):
+            axis.beyond, seen.beyond = seen.beyond, [False, False]
             part = axis.side >> r.side_shrink if r.side_shrink and not self.meets else 0
             if not axis.beyond[0]:
                 axis.lo, axis.off[0] = axis.lo + part, axis.off[0] + part
@@ -216,17 +280,21 @@ class Slot:
         if self.corrections == 4:
             for axis in self.axes:
                 axis.start = axis.lo + axis.hi
+                axis.begin_pace()
         self.n_ev = min(max(sum(axis.px for axis in self.axes), r.nev_low), r.nev_high)
         self.deadline = (now if counted is None else counted) + min(
             max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks
         )
-        self.next_rings = self.rings()
+        self.set_window()
 
     def look(self) -> None:
         r, (x, y) = self.r, self.axes
         if not r.gap_corrections:
             return
         self.looked += 1
+        if self.merged:
+            self.merged = False
+            self.clear_bins()
         if self.looked < r.gap_corrections:
             return
         if self.corrections >= 8 and (x.v or y.v):
@@ -260,6 +328,13 @@ class Slot:
                 middle = (axis.lo + axis.hi) // 2
                 axis.lo, axis.hi = middle - most // 2, middle + most // 2
 
+    def follow(self) -> None:
+        """The stated velocity, over as many steps as the shorter side takes to pass."""
+        speed = max(abs(axis.stated) for axis in self.axes)
+        slow = next((steps for steps in (16, 8, 4) if speed * steps <= min(axis.side for axis in self.axes)), 2)
+        for axis in self.axes:
+            axis.follow(slow)
+
     def moves_with(self, other: Slot) -> bool:
         fastest = max(abs(axis.v) for one in (self, other) for axis in one.axes)
         apart = max(abs(a.v - b.v) for a, b in zip(self.axes, other.axes, strict=True))
@@ -278,11 +353,10 @@ class Slot:
     def unite(self, other: Slot, support_max: int) -> None:
         for axis, its in zip(self.axes, other.axes, strict=True):
             axis.lo, axis.hi = min(axis.lo, its.lo), max(axis.hi, its.hi)
-            axis.off, axis.beyond = [0, 0], [True, True]
+            axis.off, axis.beyond, axis.was = [0, 0], [True, True], axis.lo + axis.hi
         self.support = min(self.support + other.support, support_max)
         self.deadline = max(self.deadline, other.deadline)
-        self.partner, self.together = None, 0
-        self.clear_bins()
+        self.partner, self.together, self.merged = None, 0, True
         self.set_window()
 
     def appears(self, now: int) -> bool:
@@ -322,6 +396,7 @@ class SlowArray:
     Attributes:
         records: (seq, time, kind, id, other id, middle x, y, sides x, y, velocity x, y, support, n_ev, slot).
         owners: of each event.
+        jobs: what the hardware computes them from, and what takes effect later, in order.
     """
 
     def __init__(self, registers: MotionRegisters, n_slots: int, support_max: int, id_mask: int) -> None:
@@ -330,15 +405,17 @@ class SlowArray:
         self.records: list[Record] = []
         self.owners: list[int] = []
         self.births = 0
-        self.seeded: Slot | None = None  # has begun, and is not in force
+        self.seeded: Slot | None = None  # has begun, and is not in effect
+        self.jobs: list[tuple[dict[str, Any], dict[str, Any]]] = []
         self.steps = self._steps_after(0)
         self.step_tick, self.step_slot = next(self.steps)
         self.came, self.empty, self.paused = False, 0, 0  # empty periods do not count for deadlines, up to 32 in a row
 
     def event(self, now: int, x: int, y: int, kept: bool = True) -> None:
         """The next event; one that a filter took out advances time and the count."""
+        number = len(self.owners)
         while self.step_tick <= now:
-            self._put_in_force(None)
+            self._take_effect(number, self.step_tick)
             if self.step_slot == 0:
                 self.empty = 0 if self.came else self.empty + 1
                 if 0 < self.empty <= 32:
@@ -346,23 +423,68 @@ class SlowArray:
                 self.came = False
             slot = self.slots[self.step_slot]
             if slot is not None:
-                self._step(slot, self.step_tick)
+                self._job("step", slot, self.step_tick)
             self.step_tick, self.step_slot = next(self.steps)
         if not kept:
             self.owners.append(DROPPED)
             return
         self.came = True
-        number = len(self.owners)
-        self._put_in_force(number)
-        slot, shared = self._owner(now, (x, y))
-        self.owners.append(-1 if slot is None else slot.number)
-        if slot is not None and slot is self.seeded:
-            slot.due = number + LATER
+        self._take_effect(number, now)
+        slot, shared = self._owner((x, y))
+        if slot is None and self.seeded is None:
+            slot = self._seed((x, y), now)
         elif slot is not None and slot.take((x, y), shared, self.support_max):
-            slot.correct(now, now - self.paused)
-            slot.due = number + LATER
-            if slot.visible:
-                self._record(slot, Kind.MOVED, now, len(self.owners) - 1)
+            self._job("correction", slot, now)
+        self.owners.append(-1 if slot is None else slot.number)
+
+    def _job(self, kind: str, slot: Slot, now: int) -> None:
+        """What an event or a motion step causes; nothing of a slot that another one's step has ended, but that it waits."""
+        job = self._cause(kind, slot, now)
+        if kind == "correction" or slot.due is None:
+            slot.wait(len(self.owners), now)
+        slot.corrects = slot.corrects or kind == "correction"
+        ended: list[int] = []
+        void = slot.free
+        if not void:
+            living = [other for other in self.slots if other is not None and not other.free]
+            slot.begin(self.support_max)
+            if kind == "correction":
+                slot.correct(now, now - self.paused)
+                if slot.visible:
+                    self._record(slot, Kind.MOVED, now)
+            elif kind == "step":
+                self._step(slot, now)
+            slot.finish()
+            ended = [other.number for other in living if other.free and other is not slot]
+        self.jobs.append((job, self._effect(slot, void, ended)))
+
+    def _cause(self, kind: str, slot: Slot, now: int) -> dict[str, Any]:
+        return {
+            "kind": kind,
+            "slot": slot.number,
+            "seq": len(self.owners),
+            "time": now,
+            "counted": now - self.paused,
+            "waits": slot.due is not None,
+            "sides": [side for seen in slot.seen for side in (seen.lo, seen.hi)],
+            "marks": [mark for seen in slot.seen for mark in seen.beyond],
+            "owned": slot.owned,
+        }
+
+    def _effect(self, slot: Slot, void: bool, ended: list[int]) -> dict[str, Any]:
+        return {
+            "slot": slot.number,
+            "void": void,
+            "state": 0 if slot.free_later else 3 if slot.left else 2 if slot.visible else 1,
+            "moves": [move for axis in slot.axes for move in axis.moves],
+            "hidden": [hidden for axis in slot.axes for hidden in axis.hidden],
+            "mark_all": all(mark for axis in slot.axes for mark in axis.beyond),
+            "n_ev": slot.n_ev,
+            "bin_log2": [axis.bin_px.bit_length() - 1 for axis in slot.axes],
+            "box": [bound for axis in slot.axes for bound in axis.box],
+            "window": [bound for axis in slot.axes for bound in axis.window],
+            "ended": ended,
+        }
 
     def _steps_after(self, now: int) -> Iterator[tuple[int, int]]:
         """Tick and slot of each motion step, from the next multiple of a period on."""
@@ -372,13 +494,38 @@ class SlowArray:
             for i in range(len(self.slots)):
                 yield n * period + i * period // places, i
 
-    def _put_in_force(self, number: int | None) -> None:
-        """What waits for this event; None: all that waits."""
+    def _take_effect(self, number: int, now: int) -> None:
+        """What takes effect before this event or motion step."""
         for slot in self.slots:
-            if slot is not None and slot.due is not None and (number is None or slot.due <= number):
-                slot.put_in_force()
-                if slot is self.seeded:
+            if slot is None:
+                continue
+            if self.slots[slot.number] is slot and slot.due is not None and (slot.due[0] <= number or slot.due[1] <= now):
+                slot.due = None
+                if slot.computed:
+                    slot.take_effect()
+                    if slot is self.seeded:
+                        self.seeded = None
+                    if slot.free_later:
+                        self.slots[slot.number] = None
+                    self._end_with(slot)
+
+    def _end_with(self, slot: Slot) -> None:
+        """Slots that end with this one, and those that end with them."""
+        for other in self.slots:
+            if other is not None and other.ends_with is slot:
+                self.slots[other.number] = None
+                if other is self.seeded:
                     self.seeded = None
+                self._end_with(other)
+
+    def restart(self, number: int, now: int) -> None:
+        """A mode of this slot is written, after the event at `now`."""
+        self._take_effect(1 << 62, now)
+        slot = self.slots[number]
+        if slot is not None and slot.visible:
+            slot.begin(self.support_max)
+            self._record(slot, Kind.LOST, now)
+        self.slots[number] = None
 
     def write(self, registers: MotionRegisters, now: int) -> None:
         """Other registers, after the event at `now`; lives go on."""
@@ -391,33 +538,55 @@ class SlowArray:
             self.steps = self._steps_after(now)
             self.step_tick, self.step_slot = next(self.steps)
 
-    def _owner(self, now: int, place: tuple[int, int]) -> tuple[Slot | None, bool]:
-        living = [slot for slot in self.slots if slot is not None and not slot.left]
-        here = [slot for slot in living if slot is not self.seeded and slot.holds(place)]
-        visible = [slot for slot in here if slot.visible]
+    def _owner(self, place: tuple[int, int]) -> tuple[Slot | None, bool]:
+        here = [
+            slot
+            for slot in self.slots
+            if slot is not None and not slot.left_seen and slot is not self.seeded and slot.sees(place)
+        ]
+        visible = [slot for slot in here if slot.visible_seen]
         for choice in ([slot for slot in visible if slot.boxes(place)], visible):
             if choice:
                 return choice[0], len(choice) > 1
-        if here or self.seeded is not None:
-            return (here[0] if here else None), False
-        free = [i for i, slot in enumerate(self.slots) if slot is None]
-        free += [i for i, slot in enumerate(self.slots) if slot is not None and slot.left]
-        if not free:
-            return None, False
-        self.slots[free[0]] = self.seeded = Slot(free[0], self.r, *place, now, now - self.paused)
-        return self.seeded, False
+        return (here[0] if here else None), False
 
-    def _record(self, slot: Slot, kind: Kind, time: int, seq: int | None = None, other: int = 0) -> None:
+    def _seed(self, place: tuple[int, int], now: int) -> Slot | None:
+        free = [i for i, slot in enumerate(self.slots) if slot is None]
+        free += [i for i, slot in enumerate(self.slots) if slot is not None and slot.left_seen]
+        if not free:
+            return None
+        slot = self.seeded = self.slots[free[0]] = Slot(free[0], self.r, *place, now, now - self.paused)
+        job = self._cause("seed", slot, now)
+        slot.wait(len(self.owners), now)
+        slot.computed = True
+        self.jobs.append((job, self._effect(slot, False, [])))
+        return slot
+
+    def _record(self, slot: Slot, kind: Kind, time: int, other: int = 0) -> None:
         x, y = slot.axes
         middle = [(axis.lo + axis.hi) // 2 for axis in slot.axes]
-        seq = len(self.owners) if seq is None else seq
+        seq = len(self.owners)
         slot.reported = time
         self.records.append(
-            (seq, time, int(kind), slot.id, other, *middle, x.side, y.side, x.v, y.v, slot.support, slot.n_ev, slot.number)
+            (
+                seq,
+                time,
+                int(kind),
+                slot.id,
+                other,
+                *middle,
+                x.side,
+                y.side,
+                x.stated // 2,
+                y.stated // 2,
+                slot.support,
+                slot.n_ev,
+                slot.number,
+            )
         )
 
     def _living(self, but: Slot) -> list[Slot]:
-        return [slot for slot in self.slots if slot is not None and slot is not but and not slot.left]
+        return [slot for slot in self.slots if slot is not None and slot is not but and not slot.left and not slot.free]
 
     def _step(self, slot: Slot, now: int) -> None:
         r = self.r
@@ -429,24 +598,28 @@ class SlowArray:
                 for axis in slot.axes:
                     axis.set_box(r.ring_max)
             else:
-                self.slots[slot.number] = None
+                slot.free = True
             return
         if slot.left:
             return
-        if slot.visible or slot.corrections >= 4:
+        known = slot.visible or slot.corrections >= 4
+        if known:
             slot.advance(now)
         slot.bound()
+        if known:
+            slot.follow()
         slot.set_window()
         self._join(slot, now)
-        if self.slots[slot.number] is not slot:
-            return
         if not slot.visible:
             if self._absorbed(slot) or not slot.appears(now):
                 return
             slot.visible = True
-            gone = [other for other in self.slots if other is not None and other.left and slot.reaches(other)]
+            gone = [
+                other for other in self.slots if other is not None and other.left and not other.free and slot.reaches(other)
+            ]
             if gone:
-                slot.id, self.slots[gone[0].number] = gone[0].id, None
+                slot.id = gone[0].id
+                self._end(gone[0], slot)
                 self._record(slot, Kind.MOVED, now)
                 return
             slot.id = self.births & self.id_mask
@@ -472,32 +645,32 @@ class SlowArray:
         younger = now - max(slot.seeded, partner.seeded)
         if slot.together < min(max(r.join_steps, younger // 2**r.step_log2 // 2**r.join_life), 65535):
             return
-        stays, goes = slot, partner
-        if stays.visible != goes.visible:
-            swap = goes.visible
+        if slot.visible != partner.visible:
+            stays = slot.visible
         else:
-            swap = goes.seeded < stays.seeded if r.keep_older else goes.support > stays.support
-        if swap:
-            stays, goes = goes, stays
-        if goes.visible:
-            self._record(goes, Kind.MERGED, now, other=stays.id)
-        stays.unite(goes, self.support_max)
-        self.slots[goes.number] = None
-        if stays.visible:
-            self._record(stays, Kind.MOVED, now)
+            stays = partner.seeded >= slot.seeded if r.keep_older else partner.support <= slot.support
+        if not stays:
+            return
+        if partner.visible:
+            self._record(partner, Kind.MERGED, now, other=slot.id)
+        slot.unite(partner, self.support_max)
+        self._end(partner, slot)
+        if slot.visible:
+            self._record(slot, Kind.MOVED, now)
+
+    def _end(self, slot: Slot, by: Slot) -> None:
+        slot.free, slot.ends_with = True, by
 
     def _absorbed(self, slot: Slot) -> bool:
         middle = tuple((axis.box[0] + axis.box[1]) // 2 for axis in slot.axes)
         if any(other.visible and other.holds((middle[0], middle[1])) for other in self._living(slot)):
-            self.slots[slot.number] = None
+            slot.free = True
             return True
         for other in self._living(slot):
             if other.visible or any(gap(a.box, b.box) > 0 for a, b in zip(slot.axes, other.axes, strict=True)):
                 continue
             if slot.support < other.support:
-                other.unite(slot, self.support_max)
-                self.slots[slot.number] = None
                 return True
             slot.unite(other, self.support_max)
-            self.slots[other.number] = None
+            self._end(other, slot)
         return False

@@ -23,7 +23,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, build_device
 from evcot_cosim.lockstep.random_runs import random_config, random_traffic
 
-from .ticked import ticked
+from .tokens import ticked
 
 __all__ = [
     "ENGINES",

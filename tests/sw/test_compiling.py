@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What has to be compiled is compiled by another process, once; then it is loaded."""
+"""Kernels: compiled in another process, kept, and forgotten when stale."""
 
 from __future__ import annotations
 
 import importlib
+import os
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from evcot._stale_kernels import forget_stale_kernels
 from evcot.compiling import compiled_aside
 
 _KERNEL = """
@@ -63,3 +66,143 @@ def test_without_another_process_it_is_compiled_here(tmp_path: Path, monkeypatch
     compiled_aside(module.prepare, 3)
     assert counts(module.twice) == (0, 2), "missing at first, then compiled"
     assert module.twice(3) == 6
+
+
+SOURCES = ("__init__.py", "events.py", "rct/kernel.py", "rct/merge.py", "filters/chain.py")
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package with a kernel beside each source, and known as it is."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    for name in SOURCES:
+        source = tmp_path / name
+        (source.parent / "__pycache__").mkdir(parents=True, exist_ok=True)
+        source.write_text("x = 1\n")
+    forget_stale_kernels(tmp_path)
+    for name in SOURCES:
+        source = tmp_path / name
+        for suffix in ("nbi", "1.nbc"):
+            (source.parent / "__pycache__" / f"{source.stem}.f-1.py311.{suffix}").write_text("compiled")
+    return tmp_path
+
+
+def kernels(package: Path) -> set[str]:
+    """The folders that have kernels."""
+    return {path.parent.parent.relative_to(package).as_posix() for path in package.rglob("*.nb[ci]")}
+
+
+def test_nothing_changed_nothing_is_forgotten(package: Path) -> None:
+    assert forget_stale_kernels(package) == []
+    assert kernels(package) == {".", "rct", "filters"}
+
+
+@pytest.mark.parametrize(
+    ("changed", "left"), [("rct/merge.py", {".", "filters"}), ("filters/chain.py", {".", "rct"}), ("events.py", set())]
+)
+def test_a_change_drops_the_kernels_beside_and_below(package: Path, changed: str, left: set[str]) -> None:
+    (package / changed).write_text("x = 22\n")
+    assert forget_stale_kernels(package)
+    assert kernels(package) == left
+    assert forget_stale_kernels(package) == []
+
+
+def test_a_source_that_comes_or_goes_is_a_change(package: Path) -> None:
+    (package / "rct" / "size.py").write_text("y = 1\n")
+    assert forget_stale_kernels(package) == ["rct"]
+    (package / "rct" / "size.py").unlink()
+    assert forget_stale_kernels(package) == ["rct"]
+
+
+@pytest.mark.parametrize("content", ["", "[1]", "no json"])
+def test_where_nothing_is_known_all_are_forgotten(package: Path, content: str) -> None:
+    (package / "__pycache__" / "kernels.json").write_text(content)
+    forget_stale_kernels(package)
+    assert kernels(package) == set()
+
+
+def test_a_kernel_follows_a_function_in_another_file(tmp_path: Path) -> None:
+    """With Numba itself: without this, the old sum would come out."""
+    package = tmp_path / "evcot_like"
+    package.mkdir()
+    (package / "__init__.py").write_text(
+        "from pathlib import Path\nfrom evcot._stale_kernels import forget_stale_kernels\n"
+        "forget_stale_kernels(Path(__file__).parent)\n"
+    )
+    (package / "inner.py").write_text("from numba import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + 1\n")
+    (package / "outer.py").write_text(
+        "from numba import njit\nfrom .inner import inner\n\n@njit(cache=True)\ndef outer(x):\n    return 10 * inner(x)\n"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    run = [sys.executable, "-c", "from evcot_like.outer import outer; print(outer(1))"]
+    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, env=environment).stdout == "20\n"
+    (package / "inner.py").write_text("from numba import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + 22\n")
+    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, env=environment).stdout == "230\n"
+
+
+KERNELS = """
+from numba import njit
+from pathlib import Path
+import evcot
+@njit(cache=True)
+def twice(x):
+    return 2 * x
+print(twice(21), sum(twice.stats.cache_hits.values()), twice.stats.cache_path)
+"""
+
+
+@pytest.mark.parametrize("own", [False, True], ids=["EVCOT_CACHE", "NUMBA_CACHE_DIR of the user's"])
+def test_kernels_are_kept_in_the_cache_of_all_that_is_compiled(tmp_path: Path, own: bool) -> None:
+    (tmp_path / "kernels.py").write_text(KERNELS)
+    cache, numba = tmp_path / "cache", tmp_path / "numba"
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment |= {"EVCOT_CACHE": str(cache)} | ({"NUMBA_CACHE_DIR": str(numba)} if own else {})
+    # Numba reads its configuration when it is imported: evcot must come first.
+    script = "import sys, evcot; sys.path.insert(0, '.'); import kernels"
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True,
+        ).stdout.split()
+        for _ in range(2)
+    ]  # fmt: skip
+    assert [words[:2] for words in said] == [["42", "0"], ["42", "1"]]
+    assert Path(said[0][2]).is_relative_to(numba if own else cache / "numba")
+
+
+def test_kernels_in_the_cache_are_forgotten_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from numba.core.caching import UserProvidedCacheLocator
+
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "numba"))
+    source = tmp_path / "package" / "rct" / "kernel.py"
+    source.parent.mkdir(parents=True)
+    source.write_text("x = 1\n")
+    forget_stale_kernels(tmp_path / "package")
+    kernel = tmp_path / "numba" / UserProvidedCacheLocator.get_suitable_cache_subpath(str(source)) / "kernel.f-1.py311.nbi"
+    kernel.parent.mkdir(exist_ok=True)
+    kernel.write_text("compiled")
+    assert forget_stale_kernels(tmp_path / "package") == []
+    source.write_text("x = 22\n")
+    assert forget_stale_kernels(tmp_path / "package") == ["rct"]
+    assert not kernel.exists()
+
+
+def test_a_cache_that_cannot_be_written_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    script = "import os, evcot; print(os.environ.get('NUMBA_CACHE_DIR'))"
+    run = subprocess.run(
+        [sys.executable, "-c", script], env=environment | {"EVCOT_CACHE": str(tmp_path / "file")},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert run.stdout.strip() == "None"
+
+
+def test_where_numba_was_imported_first_its_choice_is_left_alone(tmp_path: Path) -> None:
+    """It would not see another: stale kernels would be looked for where there are none."""
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    script = "import os, numba, evcot; print(os.environ.get('NUMBA_CACHE_DIR'))"
+    run = subprocess.run(
+        [sys.executable, "-c", script], env=environment | {"EVCOT_CACHE": str(tmp_path)},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert run.stdout.strip() == "None"

@@ -15,7 +15,7 @@ from evcot.digest import digest
 from evcot.filters.run import apply
 from evcot.metrics import evaluate as score
 from evcot.metrics import load_rule, read_truth
-from evcot.trackers.rct.presets import PRESETS as RCT
+from evcot.trackers.rct.config import PRESETS as RCT
 from evcot.trackers.settings import changeable
 
 

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events to and from structured arrays, as OpenEB and tonic hold them: without a copy, and nothing wrong gets in or out."""
+"""Events and tracks in the forms of other packages."""
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.errors import RecordingError
+from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.structured import EVENT_CD
+from evcot.tracks.log import TRACK, Kind, TrackLog
+from support.logs import log_of
 
 TONIC = np.dtype([("x", np.int16), ("y", np.int16), ("t", np.int64), ("p", bool)])
 OWN = np.dtype([("t", np.int64), ("x", np.uint16), ("y", np.uint16), ("p", np.uint8)])
@@ -146,3 +149,66 @@ def test_eventcv_takes_the_columns_side_by_side() -> None:
     stream = eventcv.from_numpy(np.stack([events.x, events.y, events.t_us, events.p], axis=1), time_unit="us")
     x, y, t_us, p = np.asarray(stream.numpy()).T
     assert same(Events(t_us, x, y, p), events)
+
+
+EVENTS = Events(np.array([3, 5, 8]), *np.array([[0, 1, 2], [7, 8, 9]], np.uint16), np.array([1, 0, 1], np.uint8))
+LOG = log_of([(10, Kind.BORN, 0, 1.5, 2.5), (20, Kind.BORN, 1, 9.0, 9.0), (50, Kind.MERGED, 1, 7.0, 7.0, 0)])
+PACKAGES = pytest.mark.parametrize("package", ["pandas", "polars"])
+
+
+def frame_of(thing: Any, package: str) -> Any:
+    pytest.importorskip(package)
+    return getattr(thing, f"to_{package}")()
+
+
+@PACKAGES
+def test_events_are_columns_of_their_own_types(package: str) -> None:
+    frame = frame_of(EVENTS, package)
+    assert list(frame.columns) == ["t_us", "x", "y", "p"]
+    for name in frame.columns:
+        column = frame[name].to_numpy()
+        assert column.dtype == getattr(EVENTS, name).dtype
+        np.testing.assert_array_equal(column, getattr(EVENTS, name))
+
+
+@PACKAGES
+def test_a_frame_is_a_copy(package: str) -> None:
+    events = Events(*(column.copy() for column in (EVENTS.t_us, EVENTS.x, EVENTS.y, EVENTS.p)))
+    frame = frame_of(events, package)
+    events.x[:] = 99
+    assert frame["x"].to_list() == [0, 1, 2]
+
+
+@PACKAGES
+def test_records_keep_all_fields(package: str) -> None:
+    frame = frame_of(LOG, package)
+    assert tuple(frame.columns) == TRACK.names
+    for name in frame.columns:
+        np.testing.assert_array_equal(frame[name].to_numpy(), LOG.records[name])
+
+
+@PACKAGES
+def test_what_a_track_does_not_have_is_missing(package: str) -> None:
+    frame = frame_of(LOG.tracks, package)
+    assert frame["id"].to_list() == [0, 1]
+    assert frame["born_us"].to_list() == [10, 20]
+    missing = frame["ended_us"].isna() if package == "pandas" else frame["ended_us"].is_null()
+    assert missing.to_list() == [True, False]
+    assert frame["ended_us"].to_list()[1] == 50
+    assert frame["merged_into"].to_list()[1] == 0
+    assert str(frame["ended_us"].dtype) == "Int64"
+
+
+@PACKAGES
+def test_nothing_gives_no_rows(package: str) -> None:
+    empty = TrackLog.empty("rct")
+    assert [len(frame_of(thing, package)) for thing in (Events.empty(), empty, empty.tracks)] == [0, 0, 0]
+
+
+@PACKAGES
+def test_a_missing_package_is_said_with_its_extra(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    for thing in (EVENTS, LOG, LOG.tracks):
+        with pytest.raises(ConfigError) as error:
+            getattr(thing, f"to_{package}")()
+        assert str(error.value) == f"to_{package}: {package} is not installed: pip install 'evcot[{package}]'"

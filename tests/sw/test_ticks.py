@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.ticks import TickCounter, TickedEvents
-from support.ticked import ticked
+from support.tokens import ticked
 
 COLUMNS = {"ticks": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
 

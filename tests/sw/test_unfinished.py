@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.errors import OutputError
+from evcot.errors import OutputError, RecordingError
 from evcot.events import Events
 from evcot.unfinished import Unfinished, unfinished
 
@@ -111,8 +111,40 @@ def test_a_full_disk_leaves_the_checkpoint_and_says_how_to_go_on(tmp_path: Path)
         assert found(tmp_path / "log") == {"count": 7}
 
 
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [
+        (OutputError("run: holds mine.txt, which evcot did not write"), "run: holds mine.txt, which evcot did not write"),
+        (OSError(errno.EFBIG, "File too large", "x.owner"), "x.owner: cannot be written: File too large"),
+        (OSError("0 written"), "a file: cannot be written: 0 written"),
+        (OSError(), "a file: cannot be written: OSError"),
+    ],
+)
+def test_a_file_that_cannot_be_written_leaves_the_checkpoint(error: OSError, says: str, tmp_path: Path) -> None:
+    with pytest.raises(OutputError) as said:
+        saves_and_fails(tmp_path / "log", error)
+    assert str(said.value) == (
+        f"{says}; remove the cause and give the same command again: it goes on from its last checkpoint "
+        f"(kept in {tmp_path / '.log.unfinished'})"
+    )
+    assert found(tmp_path / "log") == {"count": 7}
+
+
+def test_a_checkpoint_that_cannot_be_written_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    left(tmp_path / "log", count=7)
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OutputError) as said, unfinished(tmp_path / "log", lambda: "key") as work:
+        work.save({"count": 8})
+    place = tmp_path / ".log.unfinished"
+    assert str(said.value).startswith(f"{place}/checkpoint: cannot be written: No space left on device; free some space")
+    assert found(tmp_path / "log") == {"count": 7}
+
+
 def test_of_another_error_or_without_a_checkpoint_nothing_is_left(tmp_path: Path) -> None:
-    ends(tmp_path / "log", lambda work: work.save({"count": 7}), full_disk(errno.EACCES))
+    ends(tmp_path / "log", lambda work: work.save({"count": 7}), RecordingError("x.raw: is damaged"))
     assert list(tmp_path.iterdir()) == []
     ends(tmp_path / "log", lambda work: (work.folder / "data").write_bytes(b"1"), full_disk(errno.ENOSPC))
     assert list(tmp_path.iterdir()) == []

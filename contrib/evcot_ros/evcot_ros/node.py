@@ -11,16 +11,18 @@ from event_camera_msgs.msg import EventPacket
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from vision_msgs.msg import Detection2DArray
+from visualization_msgs.msg import MarkerArray
 
 from evcot.errors import EvcotError
 from evcot.recordings.formats.source import Sensor
 from evcot.trackers.engines import DEFAULT, ENGINES
 from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
-from evcot_cosim.live.hardware import warm_up
 from evcot_cosim.live.session import Session
+from evcot_cosim.live.tracker_thread import warm_up
 
 from .detections import detections
+from .markers import markers
 from .topic import TopicSource
 
 __all__ = ["TrackNode", "main"]
@@ -30,7 +32,8 @@ _SAY_S = 10.0  # between two lines of figures
 
 
 class TrackNode(Node):  # type: ignore[misc, unused-ignore]
-    """Subscribes to `events` (event_camera_msgs/EventPacket), publishes `tracks` (vision_msgs/Detection2DArray).
+    """Subscribes to `events` (event_camera_msgs/EventPacket), publishes `tracks` (vision_msgs/Detection2DArray) and, while
+    somebody subscribes to them, `markers` (visualization_msgs/MarkerArray) for RViz.
 
     Parameters: `engine` (that of `evcot track`), `preset` (the engine's default), `rate_hz` (50) of the messages.
 
@@ -47,6 +50,7 @@ class TrackNode(Node):  # type: ignore[misc, unused-ignore]
         self._source: TopicSource | None = None
         self._header: Any = None
         self._tracks = self.create_publisher(Detection2DArray, "tracks", _QUEUE)
+        self._markers = self.create_publisher(MarkerArray, "markers", _QUEUE)
         self.create_subscription(EventPacket, "events", self.on_packet, qos_profile_sensor_data)
         self.create_timer(1.0 / rate_hz, self.on_time)
         self.create_timer(_SAY_S, self.on_figures)
@@ -66,7 +70,10 @@ class TrackNode(Node):  # type: ignore[misc, unused-ignore]
             return
         if self._session.failed:
             self._session.stop()
-        self._tracks.publish(detections(self._session.clusters, self._header))
+        clusters = self._session.clusters
+        self._tracks.publish(detections(clusters, self._header))
+        if self._markers.get_subscription_count():
+            self._markers.publish(markers(clusters, self._header))
 
     def on_figures(self) -> None:
         """Say how it goes."""

@@ -9,7 +9,8 @@ from launch import LaunchDescription
 
 
 def generate_launch_description() -> LaunchDescription:
-    defaults = {"events": "/event_camera/events", "tracks": "/event_camera/tracks", "engine": "cot_motion", "preset": ""}
+    defaults = {"events": "/event_camera/events", "tracks": "/event_camera/tracks", "markers": "/event_camera/markers",
+                "engine": "cot_motion", "preset": ""}  # fmt: skip
     chosen = {name: LaunchConfiguration(name) for name in defaults}
     node = Node(
         package="evcot_ros",
@@ -17,6 +18,6 @@ def generate_launch_description() -> LaunchDescription:
         name="evcot",
         output="screen",
         parameters=[{"engine": chosen["engine"], "preset": chosen["preset"]}],
-        remappings=[("events", chosen["events"]), ("tracks", chosen["tracks"])],
+        remappings=[("events", chosen["events"]), ("tracks", chosen["tracks"]), ("markers", chosen["markers"])],
     )
     return LaunchDescription([*(DeclareLaunchArgument(name, default_value=value) for name, value in defaults.items()), node])

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import argparse
 
-from .job import input_options
-from .options import checkpoint_option, window_options
+from .options import checkpoint_option, input_options, window_options
 from .parsing import add_command, output_option
 
 __all__ = ["add"]

@@ -7,8 +7,7 @@ import argparse
 
 from ..live import PORT
 from .engine_options import engine_options
-from .filter_options import filter_options
-from .options import recording_options
+from .options import filter_options, recording_options
 from .parsing import add_command, input_or_name, output_option
 
 __all__ = ["add"]

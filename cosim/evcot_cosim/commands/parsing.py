@@ -20,48 +20,91 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, NoReturn
 
-from evcot.errors import RecordingError, meant
+from evcot.errors import DamagedRecordingError, EvcotError, RecordingError, meant
 from evcot.outputs import Claims, suffix_of
 
+from ..standard_streams import STANDARD_INPUT, STANDARD_OUTPUT, without_copy
+
 __all__ = [
+    "BROKEN",
     "INPUT_TYPES",
+    "MISMATCH",
     "OUTPUT_TYPES",
+    "USER_ERROR",
     "Action",
     "HelpFormatter",
     "Parser",
     "add_command",
     "claims_of",
     "group_of",
+    "input_each",
     "input_or_name",
+    "input_or_scene",
     "input_path",
     "output_file",
     "output_folder",
     "output_option",
+    "say",
+    "say_error",
+    "writes_standard_output",
 ]
+
+
+MISMATCH = 1  # hardware and model differ
+BROKEN = 1  # a property of a waveform does not hold
+USER_ERROR = 2  # something that the user can mend
+
+
+def say(message: str) -> None:
+    """Print an error or a warning in one line: the name of a file may hold a line break, or codes for a terminal."""
+    shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in without_copy(message))
+    print(f"evcot: {shown}", file=sys.stderr)
+
+
+def say_error(error: EvcotError, options: argparse.Namespace) -> None:
+    """Print what a user can mend, and how to read the rest of a damaged recording."""
+    is_rescued = isinstance(error, DamagedRecordingError) and hasattr(options, "skip_damaged")
+    say(f"{error}{' (--skip-damaged reads what can be read)' if is_rescued else ''}")
 
 
 def input_path(text: str) -> Path:
     """The type of an argument that names a file or a folder to read; - is standard input."""
-    return Path("/dev/stdin" if text == "-" else text)
+    return STANDARD_INPUT if text == "-" else Path(text)
+
+
+def input_each(text: str) -> Path:
+    """The type of an argument of several files that are read one after the other; what is wrong with one stops no other."""
+    return input_path(text)
 
 
 def input_or_name(text: str) -> str:
-    """The type of an argument that names a file or a folder to read, or something else, such as a scene."""
-    return text
+    """The type of an argument that names a file or a folder to read, - standard input, or something else, such as a scene."""
+    return str(STANDARD_INPUT) if text == "-" else text
+
+
+def input_or_scene(text: str) -> str:
+    """The type of an argument that names a file or a folder to read, - standard input, or a scene."""
+    return input_or_name(text)
 
 
 def output_file(text: str) -> Path:
     """The type of an argument that names a file to write, - standard output; `output_option` adds one."""
-    return Path("/dev/stdout" if text == "-" else text)
+    return STANDARD_OUTPUT if text == "-" else Path(text)
 
 
 def output_folder(text: str) -> Path:
-    """The type of an argument that names a folder to write; `output_option` adds one."""
+    """The type of an argument that names a folder to write; `output_option` adds one.
+
+    Raises:
+        ArgumentTypeError: standard output.
+    """
+    if text == "-":
+        raise argparse.ArgumentTypeError("-: must be a folder, which standard output is not (./- names one)")
     return Path(text)
 
 
 _FILE_NAME = re.compile(r"[^:]+\.[A-Za-z]\w*")  # what names a file, and no scene, rule, camera or address
-INPUT_TYPES = (input_path, input_or_name)
+INPUT_TYPES = (input_path, input_each, input_or_name, input_or_scene)
 OUTPUT_TYPES = (output_file, output_folder)
 
 
@@ -175,16 +218,20 @@ def output_option(
     folder: bool = False,
     group: argparse._ArgumentGroup | None = None,
     suffixes: Sequence[str] = (),
+    several: str = "",
     **more: Any,
 ) -> None:
     """Add an argument that names a file or a folder to write, listed in `group` if there is one.
 
     A file with a suffix that is none of `suffixes` is refused before any work; without `suffixes` the command checks itself.
 
+    Where the argument `several` has more than one value, the output is a folder, and the command claims a file in it for each.
+
     The first file of a parser adds --force too, among the parser's own options: it holds for all files that are written.
     """
     action = (group or parser).add_argument(*names, type=output_folder if folder else output_file, **more)
-    parser.set_defaults(suffixes={**(parser.get_default("suffixes") or {}), action.dest: tuple(suffixes)})
+    for default, value in (("suffixes", tuple(suffixes)), ("several", several)):
+        parser.set_defaults(**{default: {**(parser.get_default(default) or {}), action.dest: value}})
     if not folder and "--force" not in parser._option_string_actions:
         parser.add_argument("--force", action="store_true", help="replace output files that exist")
 
@@ -246,10 +293,17 @@ def claims_of(options: argparse.Namespace) -> Claims:
     """
     claims = Claims()
     for action, path in _given(options, INPUT_TYPES):
-        if (action.type is input_path or _FILE_NAME.fullmatch(str(path))) and not path.exists():
+        if _must_exist(options, action, path) and not path.exists():
             raise RecordingError(f"{path}: cannot be read: {os.strerror(errno.ENOENT)}")
+        if action.type is input_or_scene:
+            from evcot.scenes.registry import check_source  # which the commands with scenes have imported
+
+            check_source(str(path))
         claims.read(path)
     for action, path in _given(options, OUTPUT_TYPES):
+        several = options.several[action.dest]
+        if several and len(getattr(options, several)) > 1:
+            continue
         if action.type is output_file:
             claims.write(_title(action), path, force=options.force)
         else:
@@ -258,6 +312,18 @@ def claims_of(options: argparse.Namespace) -> Claims:
         if suffixes := options.suffixes[action.dest]:
             suffix_of(path, suffixes, _title(action))
     return claims
+
+
+def _must_exist(options: argparse.Namespace, action: argparse.Action, path: Path) -> bool:
+    """Whether the command cannot begin without this input."""
+    if action.type is input_each:
+        return len(getattr(options, action.dest)) == 1
+    return action.type is input_path or bool(_FILE_NAME.fullmatch(str(path)))
+
+
+def writes_standard_output(options: argparse.Namespace) -> bool:
+    """Whether standard output gets a file that the command writes."""
+    return any(path == STANDARD_OUTPUT for _, path in _given(options, (output_file,)))
 
 
 def _given(options: argparse.Namespace, types: Collection[object]) -> Iterator[tuple[argparse.Action, Path]]:

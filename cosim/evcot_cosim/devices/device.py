@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -29,9 +28,8 @@ from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
 from ..rtl.build import PORTS_ONLY_FLAGS, BuiltModel, build
-from .base import HardwareError, Stalls, pointer
+from .base import HardwareError, Stalls, check_waits, pointer
 from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
-from .silence import check_waits
 
 __all__ = ["Device", "DeviceState", "StreamTimes", "build_device", "step_clocks"]
 
@@ -256,29 +254,21 @@ class Device:
                 self._vcd = None
                 error = library.evcot_close_vcd(handle) or error
             if error:
-                raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
+                raise OutputError(f"{path}: cannot be written: {os.strerror(error)}") from OSError(error, os.strerror(error))
 
     def state(self) -> DeviceState:
-        """Everything that a run of events leaves behind; the model must have been built with `savable`, and be idle.
-
-        Raises:
-            OutputError: there is no room for a temporary file.
-        """
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "model"
-            error = self.sim.lib.evcot_save(ctypes.c_void_p(self.sim.model), os.fsencode(path))
-            if error:
-                raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
-            return DeviceState(self.now, self.seq, self.cycle, self._clock, path.read_bytes())
+        """Everything that a run of events leaves behind; the model must have been built with `savable`, and be idle."""
+        save = self.sim.lib.evcot_save
+        save.argtypes, save.restype = (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64), ctypes.c_int64
+        saved = np.empty(save(self.sim.model, None, 0), np.uint8)
+        save(self.sim.model, pointer(saved), len(saved))
+        return DeviceState(self.now, self.seq, self.cycle, self._clock, saved.tobytes())
 
     def restore(self, state: DeviceState) -> None:
         """Continue from a state of a device with the same model and stalls."""
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "model"
-            path.write_bytes(state.model)
-            error = self.sim.lib.evcot_restore(ctypes.c_void_p(self.sim.model), os.fsencode(path))
-            if error:
-                raise OutputError(f"{path}: cannot be read: {os.strerror(error)}")
+        restore = self.sim.lib.evcot_restore
+        restore.argtypes, restore.restype = (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int64), None
+        restore(self.sim.model, state.model, len(state.model))
         self.now, self.seq, self.cycle, self._clock = state.now, state.seq, state.cycle, state.clock
 
     def stream(self, events: Events | TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:

@@ -15,8 +15,7 @@ from pyverilator import PyVerilator
 from evcot.ticks import TickedEvents
 
 from ..rtl.build import PORTS_ONLY_FLAGS, build
-from .base import Drive, Ending, HardwareError, Stalls, pattern_fields, pointer
-from .silence import check_waits
+from .base import Drive, Ending, HardwareError, Stalls, check_waits, pattern_fields, pointer
 
 __all__ = ["FilterDevice", "FilterTimes"]
 

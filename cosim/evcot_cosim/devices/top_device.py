@@ -32,6 +32,7 @@ from .driver import PARAMETERS
 __all__ = [
     "COMMAND",
     "Command",
+    "Op",
     "Pace",
     "TopDevice",
     "TopRun",
@@ -39,6 +40,7 @@ __all__ = [
     "bank_address",
     "configuration",
     "filter_address",
+    "parameters_of",
     "poll",
     "poll_status",
     "read",
@@ -47,7 +49,9 @@ __all__ = [
 ]
 
 
-class _Op(IntEnum):
+class Op(IntEnum):
+    """What a command does."""
+
     READ = 0
     WRITE = 1
     POLL = 2  # read until the masked word is `data`
@@ -85,17 +89,17 @@ _SEQ_BITS = next(field.bits for field in register_map().streams[1].fields if fie
 
 def read(address: int, after: int = 0) -> Command:
     """A command that reads a word."""
-    return after, _Op.READ, address, 0, 0
+    return after, Op.READ, address, 0, 0
 
 
 def write(address: int, data: int, after: int = 0, strb: int = 15) -> Command:
     """A command that writes the bytes `strb` of a word."""
-    return after, _Op.WRITE, address, data, strb
+    return after, Op.WRITE, address, data, strb
 
 
 def poll(address: int, mask: int, data: int, after: int = 0) -> Command:
     """A command that reads a word until its masked bits are `data`."""
-    return after, _Op.POLL, address, data, mask
+    return after, Op.POLL, address, data, mask
 
 
 def poll_status(field: str, value: int, after: int = 0) -> Command:
@@ -125,6 +129,20 @@ def slot_address(slot: int, register: str = "commit") -> int:
 def filter_address(register: str = "commit") -> int:
     """Address of a register of the filters, or of the word that commits them."""
     return bank_address("filter", register)
+
+
+def parameters_of(config: CotConfig | MotionConfig) -> dict[str, int]:
+    """The Verilog parameters of `evcot_top` that a configuration decides; HAS and the sources are not among them.
+
+    Raises:
+        ConfigError: a module that `evcot_top` does not contain.
+    """
+    trackers, module = register_map().trackers, config.module.removeprefix("cot_")
+    if module not in trackers:
+        raise ConfigError(f"module = {config.module!r}: must be one of cot_{', cot_'.join(trackers)} for evcot_top")
+    found = {verilog_name: getattr(config.shape, name) for name, verilog_name in PARAMETERS.items()}
+    found |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES if name != "cell_stamp_w"}
+    return {"TRACKER": trackers.index(module), **found}
 
 
 def configuration(config: CotConfig | MotionConfig) -> list[Command]:
@@ -189,7 +207,7 @@ _DRIVE = Drive(
 
 @cache
 def _source(data_w: int, record_bytes: int) -> str:
-    ops = [op.name for op in _Op]
+    ops = [op.name for op in Op]
     return _DRIVE.source("evcot_top", data_w=data_w, record_bytes=record_bytes, command_bytes=COMMAND.itemsize, ops=ops)
 
 
@@ -277,15 +295,10 @@ class TopDevice:
     ) -> None:
         self.config = config
         self.pace = pace or Pace()
-        chosen = {verilog_name: getattr(config.shape, name) for name, verilog_name in PARAMETERS.items()}
-        chosen |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES.keys() - {"cell_stamp_w"}}
-        trackers, module = register_map().trackers, config.module.removeprefix("cot_")
-        if module not in trackers:
-            raise ConfigError(f"module = {config.module!r}: must be one of cot_{', cot_'.join(trackers)} for evcot_top")
-        chosen["TRACKER"] = trackers.index(module)
-        chosen |= parameters or {}
-        if chosen["TRACKER"] != trackers.index(module):
-            raise ConfigError(f"TRACKER = {chosen['TRACKER']}: must be {trackers.index(module)}, that of {config.module}")
+        needed = parameters_of(config)
+        chosen = needed | dict(parameters or {})
+        if chosen["TRACKER"] != needed["TRACKER"]:
+            raise ConfigError(f"TRACKER = {chosen['TRACKER']}: must be {needed['TRACKER']}, that of {config.module}")
         self.record: np.dtype[np.void] = MOTION_RECORD if isinstance(config, MotionConfig) else RECORD
         drive = _source(chosen.get("DATA_W", 64), self.record.itemsize)
         flags = (*PORTS_ONLY_FLAGS, *(RANDOM_INITIAL_FLAGS if initial_seed else ()))
@@ -369,7 +382,7 @@ class TopDevice:
     def _access(self, command: Command) -> int:
         done = self.run(commands=[command], quiet_clocks=1, take_outputs=False).commands[0]
         if done["response"]:
-            kind = "write" if command[1] == _Op.WRITE else "read"
+            kind = "write" if command[1] == Op.WRITE else "read"
             raise BusError(f"{kind} at {command[2]:#06x}: the hardware answers with an error")
         return int(done["result"])
 

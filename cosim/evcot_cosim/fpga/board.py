@@ -18,7 +18,7 @@ from evcot.ticks import TickedEvents
 
 from ..rtl.files import verilog_dir
 from . import RECORDS
-from .noise import SIZE, SLOT, rendered, signature, source, writes
+from .selftest import SIZE, SLOT, rendered, signature, source, writes
 
 __all__ = ["SIZES", "board_dir", "expected_records", "header", "shape"]
 

@@ -82,9 +82,9 @@ _DEFAULT_VGA = {**_DEFAULT, "X_W": 10, "Y_W": 9, "WIDTH": 640, "HEIGHT": 480}
 _DEFAULT_HD = {**_DEFAULT, "CELL_PX": 2, "X_W": 11, "Y_W": 10, "WIDTH": 1280, "HEIGHT": 720}
 
 _TABLE = (
-    Module("evcot_top_default", "evcot_top", _DEFAULT, (8, 16, 32), (16,), "beat"),
-    Module("evcot_top_default_640x480", "evcot_top", _DEFAULT_VGA, (16,), (16,), "beat"),
-    Module("evcot_top_default_1280x720", "evcot_top", _DEFAULT_HD, (16,), (16,), "beat"),
+    Module("evcot_top_default", "evcot_top", _DEFAULT, (8, 16, 32), (16,), asks_mhz=100),
+    Module("evcot_top_default_640x480", "evcot_top", _DEFAULT_VGA, (16,), (16,)),
+    Module("evcot_top_default_1280x720", "evcot_top", _DEFAULT_HD, (16,), (16,)),
     Module("cot", "cot", _TICK, answer="record"),
     Module("cot_chain", "cot_chain", _TICK, (1, 2, 4, 8), (8,), "record"),
     Module("cot_array", "cot_array", _TICK, _SIZES, (8, 32), "record"),

@@ -116,8 +116,7 @@ def _document(figures: Figures) -> None:
     """Tables and picture of docs/fpga.md from what is recorded."""
     from .curves import draw
     from .latency import clocks
-    from .outdated import outdated
-    from .report import write_tables
+    from .report import outdated, write_tables
 
     modules = list(MODULES)
     known = {(figure.module, figure.n) for figure in figures.values() if figure.median_mhz}
@@ -131,7 +130,7 @@ def _document(figures: Figures) -> None:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from .outdated import outdated
+    from .report import outdated
 
     recorded, cases = load(_file()), _cases(options)
     known = [recorded[case.name] for case in cases if case.name in recorded]

@@ -116,9 +116,10 @@ def recorded_with(path: Path) -> str:
 
 
 def save(path: Path, figures: Figures, versions: Mapping[str, str]) -> None:
-    """Write figures, one row per line, with the versions of the tools."""
+    """Write figures, one row per line, with the versions of the tools; a tool that is not named keeps its stored version."""
+    stored = json.loads(path.read_text())["tools"] if path.is_file() else {}
     rows = [json.dumps(asdict(figure), ensure_ascii=False) for figure in figures.values()]
-    text = f'{{\n"tools": {json.dumps(dict(versions), indent=1)},\n"figures": [\n' + ",\n".join(rows) + "\n]\n}\n"
+    text = f'{{\n"tools": {json.dumps({**stored, **versions}, indent=1)},\n"figures": [\n' + ",\n".join(rows) + "\n]\n}\n"
     with written_aside(path, force=True) as file:
         file.write(text.encode())
 

@@ -19,10 +19,10 @@ from typing import Any
 
 from evcot.errors import ToolchainError
 
-from . import harness, tools
+from . import tools
 from .catalogue import Module
 from .devices import Device, Resources
-from .interface import ports
+from .interface import HARNESS, harness_text, ports
 from .sources import built, logic, stand_ins
 
 __all__ = ["PATIENCE_MIN", "Case", "Synthesis", "key_of", "place", "synthesise"]
@@ -84,7 +84,7 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
         with tempfile.TemporaryDirectory(dir=cache, prefix="making-") as name:
             stage = Path(name) / key
             stage.mkdir()
-            shell = harness.render(module.top, parameters, ports(module.top, parameters, verilog))
+            shell = harness_text(module.top, parameters, ports(module.top, parameters, verilog))
             (stage / "design.v").write_text(text + shell)
             (stage / "own.v").write_text(own)
             tools.yosys(script, stage)
@@ -126,7 +126,7 @@ def _inputs(case: Case, modules: list[str], text: str, verilog: Path | None = No
 
 def _key(case: Case, text: str, own: str, script: list[str], yosys: str) -> str:
     parameters = case.module.at(case.n)
-    return _hash([text, *([own] if own else []), parameters, harness.TEMPLATE.read_text(), script, yosys])
+    return _hash([text, *([own] if own else []), parameters, HARNESS.read_text(), script, yosys])
 
 
 def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = True) -> Resources:

@@ -1,20 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The generated tables of docs/fpga.md, between pairs of marks."""
+"""The generated tables of docs/fpga.md, between pairs of marks, with marks at figures of modules that have changed since."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 
+from ..rtl.files import verilog_dir
 from .catalogue import MODULES
 from .devices import DEVICES
-from .figures import USUAL_SEEDS, Figure, Figures, seed_noise, smallest_loss
+from .figures import USUAL_SEEDS, Figure, Figures, load, recorded_with, seed_noise, smallest_loss
+from .measure import Case, key_of
+from .sources import built, logic
 
-__all__ = ["MARK", "PUBLISHED_NS", "filled", "shown_clocks", "write_tables"]
+__all__ = ["MARK", "PUBLISHED_NS", "filled", "outdated", "page", "shown_clocks", "write_tables"]
+
 
 PUBLISHED_NS = (
     ("published library of event-based components, any of them", "", "below 300"),
@@ -161,3 +166,41 @@ def _latency(figures: Figures, clocks: Mapping[str, int], outdated: Collection[s
                 break
     rows += [(name, count, "", "", ns) for name, count, ns in PUBLISHED_NS]
     return _table(["module", "clocks", "on", "Fmax median, MHz", "ns"], rows)
+
+
+def outdated(figures: Iterable[Figure], yosys: str) -> frozenset[str]:
+    """The names of the figures whose module, harness or commands are not what they were.
+
+    Args:
+        yosys: the version with which they were recorded.
+
+    Raises:
+        ToolchainError: pyslang is not installed.
+    """
+
+    @cache
+    def sources(name: str, n: int | None) -> tuple[list[str], str]:
+        modules = built(MODULES[name].top, MODULES[name].at(n))
+        return modules, logic(modules)
+
+    def current(figure: Figure) -> bool:
+        module, device = MODULES.get(figure.module), DEVICES.get(figure.device)
+        if module is None or device is None:
+            return False
+        return key_of(Case(module, figure.n, device), sources(module.name, figure.n), yosys) == figure.key
+
+    return frozenset(figure.name for figure in figures if not current(figure))
+
+
+def page() -> str:
+    """docs/fpga.md as it should be: its tables from hw/fpga/figures.json, what is outdated marked, latencies as they are there.
+
+    Raises:
+        ConfigError: the page lacks a mark, or the figures are none.
+        ToolchainError: pyslang is not installed.
+    """
+    recorded = verilog_dir().parent / "fpga" / "figures.json"
+    figures = load(recorded)
+    path: Path = verilog_dir().parents[1] / "docs" / "fpga.md"
+    text = path.read_text()
+    return filled(path, text, figures, shown_clocks(text), outdated(figures.values(), recorded_with(recorded)))

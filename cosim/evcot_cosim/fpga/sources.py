@@ -17,7 +17,6 @@ __all__ = ["built", "closure", "flat", "logic", "stand_ins", "without_comments"]
 
 _RULES = "parameter_check"  # the module whose instances check parameters and build nothing
 _LINE_ENDS = (";", "begin", "end", "endmodule")
-_PROOF = re.compile(r"^`ifdef FORMAL\n.*?^`endif\n+", re.MULTILINE | re.DOTALL)
 
 
 def without_comments(text: str) -> str:
@@ -91,7 +90,7 @@ def built(top: str, parameters: Mapping[str, int], verilog: Path | None = None) 
 
 
 def flat(names: Iterable[str], verilog: Path | None = None, *, comments: bool = False) -> str:
-    """The modules' sources one after another, includes put in their places; a guarded header only once, no rules to prove.
+    """The modules' sources one after another, includes put in their places; a guarded header only once.
 
     Without comments the text, and so every name that a tool derives from its line numbers, does not change with them.
 
@@ -131,7 +130,7 @@ def logic(names: Iterable[str], verilog: Path | None = None) -> str:
 def _tree(names: Iterable[str], verilog: Path | None) -> tuple[Any, Any]:
     """A manager of sources and the modules as one tree."""
     files, sources = rtl_files(verilog), source_manager(verilog)
-    texts = {str(files[f"{module}.v"]): _PROOF.sub("", files[f"{module}.v"].read_text()) for module in names}
+    texts = {str(files[f"{module}.v"]): files[f"{module}.v"].read_text() for module in names}
     buffers = [sources.assignText(path, f"{text}\n") for path, text in texts.items()]
     (tree,) = checked(sources, [pyslang().syntax.SyntaxTree.fromBuffers(buffers, sources, language())])
     return sources, tree

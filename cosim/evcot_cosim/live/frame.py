@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from evcot._numba_private import njit
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.log import DROPPED
 

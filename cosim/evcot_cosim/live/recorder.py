@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.errors import ConfigError, OutputError, RecordingError
+from evcot.errors import ConfigError, OutputError, RecordingError, reason_of
 from evcot.events import Events
 from evcot.outputs import check_file, new_file, spool_folder
 from evcot.recordings.files import format_for
@@ -150,4 +150,4 @@ class _Spool:
 
 
 def _unwritable(path: Path, error: OSError) -> OutputError:
-    return OutputError(f"{path}: cannot be written: {error.strerror or error}")
+    return OutputError(f"{path}: cannot be written: {reason_of(error, path)}")

@@ -7,6 +7,8 @@ A page on this machine may also say what to play; one on another machine can onl
 from __future__ import annotations
 
 import asyncio
+import base64
+import hashlib
 import ipaddress
 import json
 import logging
@@ -14,25 +16,69 @@ import os
 import socket
 import threading
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
 from http import HTTPStatus
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, OutputError
+from evcot.templating import templates
 
+from ..report.page import SCREEN, inline_modules, inline_styles
 from . import PORT
-from .bounded_queue import Waiting
 from .frame import FrameMaker
 from .messages import drawn_number, pack_frame, wish_in
-from .page import page
 from .player import Player, Run
+from .queues import Waiting
 from .session import Session, Step
 
-__all__ = ["Server"]
+__all__ = ["Page", "Server", "page"]
+
+
+_OWN = ("protocol", "trails", "figures", "choice", "main")  # in the order in which they need each other
+
+
+@dataclass(frozen=True)
+class Page:
+    """The HTTP response for a browser."""
+
+    body: bytes
+    headers: Mapping[str, str]
+
+
+def page() -> Page:
+    """The page; its headers allow only its own script, and connections only to its own origin."""
+    script = "\n".join([inline_modules(SCREEN), *(_source(f"{name}.js") for name in _OWN)])
+    environment = templates("evcot_cosim.live", "evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    body = (
+        environment.get_template("live.html.j2")
+        .render(style=inline_styles("style", "screen") + _source("live.css"), script=script)
+        .encode()
+    )
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    policy = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
+    policy += "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    return Page(
+        body,
+        {
+            "Content-Type": "text/html; charset=utf-8",
+            "Content-Length": str(len(body)),
+            "Content-Security-Policy": policy,
+            "X-Frame-Options": "DENY",
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer",
+            "Cache-Control": "no-store",
+        },
+    )
+
+
+def _source(name: str) -> str:
+    return (files("evcot_cosim.live") / "templates" / name).read_text(encoding="utf-8")
 
 
 _FRAMES_HZ = 60

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from evcot.events import Events
 from evcot.tracks.tracking import Tracker
 
-from .bounded_queue import Arrival, Waiting
-from .latency import Latency
+from .queues import Arrival, Latency, Waiting
 from .recorder import LogKeeper, Recorder
 from .sources import LiveSource
 from .tracker_thread import Beside, Lane, quantiles

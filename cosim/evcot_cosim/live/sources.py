@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -18,9 +18,10 @@ from evcot.recordings.files import RecordingFile, sound
 from evcot.recordings.formats.aedat4_stream import Aedat4Stream
 from evcot.recordings.formats.source import Sensor
 
-from .bounded_queue import Arrival
+from .queues import Arrival
 
-__all__ = ["FileSource", "LiveSource", "NetworkSource", "StreamSource"]
+__all__ = ["CameraSource", "FileSource", "LiveSource", "NetworkSource", "StreamSource"]
+
 
 _SLICE_S = 0.005  # a file's events come in packets of this length, as a camera sends them
 _LATE_S = 0.1  # a file that cannot be read fast enough is played later and not all at once
@@ -211,3 +212,48 @@ def _placed(packets: Iterable[Events], place: str) -> Iterator[Events]:
         yield from packets
     except RecordingError as error:
         raise RecordingError(f"{place}: {error}") from error
+
+
+_CAMERA_NAP_S = 0.001
+
+
+class CameraSource(StreamSource):
+    """The first camera found, or the one with a given serial number. See `sources.LiveSource`.
+
+    Raises:
+        ConfigError: dv-processing is not installed.
+        RecordingError: no such camera.
+    """
+
+    def __init__(self, serial: str | None = None) -> None:
+        try:
+            import dv_processing  # type: ignore[import-not-found, unused-ignore]
+        except ImportError as error:
+            raise ConfigError("camera: dv-processing must be installed: pip install 'evcot[camera]'") from error
+        found = [str(each.serialNumber) for each in dv_processing.io.camera.discover()]
+        if not found:
+            raise RecordingError("camera: none is connected, or this user may not open it")
+        if serial is not None and serial not in found:
+            raise RecordingError(f"camera:{serial}: is not connected: must be one of {', '.join(found)}")
+        try:
+            capture = dv_processing.io.camera.open(serial or found[0])
+        except RuntimeError as error:
+            raise RecordingError(f"camera:{serial or found[0]}: cannot be opened: {' '.join(str(error).split())}") from error
+        width, height = capture.getEventResolution()
+        super().__init__(capture.getCameraName(), lambda wanted: _batches(capture, wanted), (width, height), lambda: None)
+
+
+def _batches(capture: Any, wanted: Callable[[], bool]) -> Iterator[Events]:
+    """Batches of events from the camera's driver, until the camera is disconnected."""
+    while wanted() and capture.isRunning():
+        batch = capture.getNextEventBatch()
+        if batch is None or not len(batch):
+            time.sleep(_CAMERA_NAP_S)
+            continue
+        yield _events(batch.numpy())
+
+
+def _events(batch: Any) -> Events:
+    """Events of dv-processing's structured array: timestamp, x, y, polarity."""
+    t_us, x, y = batch["timestamp"].astype(np.int64), batch["x"].astype(np.uint16), batch["y"].astype(np.uint16)
+    return Events(t_us, x, y, batch["polarity"].astype(np.uint8))

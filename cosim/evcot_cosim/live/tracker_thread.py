@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One tracker of a live run, with a queue and a thread of its own: a slow tracker does not hold up another."""
+"""A tracker of a live run in a thread of its own; across gaps in the stream; and the simulated hardware as one."""
 
 from __future__ import annotations
 
@@ -11,16 +11,104 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.errors import RecordingError
-from evcot.tracks.log import Kind
-from evcot.tracks.tracking import Tracker
+from evcot.errors import RecordingError, ToolchainError
+from evcot.events import Events
+from evcot.hardware.config import CotConfig, MotionConfig
+from evcot.hardware.golden import GoldenTracker
+from evcot.recordings.formats.source import Sensor
+from evcot.tracks.log import DROPPED, Kind
+from evcot.tracks.tracking import Tracker, TrackerOutput
 
-from .bounded_queue import Arrival, Waiting
-from .gaps import GapTracker
-from .latency import Latency
+from ..devices.device import build_device
+from ..devices.tracker import DeviceTracker
+from .queues import Arrival, Latency, Waiting
 from .visible_clusters import Alive, Clusters
 
-__all__ = ["Beside", "Lane", "quantiles"]
+__all__ = ["HARDWARE", "Beside", "GapTracker", "Lane", "hardware_beside", "quantiles", "warm_up"]
+
+
+class GapTracker:
+    """Wraps a tracker so that its records number the events of the whole stream, dropped ones included. See `Tracker`.
+
+    Args:
+        tracker: a new tracker, which gets the events that were not dropped.
+    """
+
+    def __init__(self, tracker: Tracker) -> None:
+        self._tracker = tracker
+        self._fed = 0
+        # Of every gap that still matters, and the last one before what is not settled: events that the tracker had been
+        # fed before it, and how many were missing after it.
+        self._gaps = [(0, 0)]
+
+    def skip(self, count: int) -> NDArray[np.int16]:
+        """Count dropped events; returns their owners."""
+        if count:
+            fed, missing = self._gaps[-1]
+            if fed == self._fed:
+                self._gaps.pop()
+            self._gaps.append((self._fed, missing + count))
+        return np.full(count, DROPPED, np.int16)
+
+    def feed(self, events: Events) -> TrackerOutput:
+        """See `Tracker.feed`."""
+        records, owner = self._tracker.feed(events)
+        self._fed += len(events)
+        self._number(records)
+        self._forget()
+        return records, owner
+
+    def finish(self) -> NDArray[np.void]:
+        """See `Tracker.finish`."""
+        records = self._tracker.finish()
+        self._number(records)
+        return records
+
+    @property
+    def settled(self) -> int:
+        """See `Tracker.settled`."""
+        return self._tracker.settled + self._gaps[0][1]
+
+    def _number(self, records: NDArray[np.void]) -> None:
+        """Convert the event numbers of records to those of the stream."""
+        if len(records):
+            fed, missing = (np.array(column) for column in zip(*self._gaps, strict=True))
+            records["event_index"] += missing[np.searchsorted(fed, records["event_index"], "right") - 1]
+
+    def _forget(self) -> None:
+        """Discard gaps that no future record can refer to."""
+        settled = self._tracker.settled
+        while len(self._gaps) > 1 and self._gaps[1][0] <= settled:
+            self._gaps.pop(0)
+
+
+HARDWARE = "hardware"
+_RTL, _MODEL = "RTL in simulation", "golden model"
+_BLOB_EVENTS = 4_000
+
+
+def hardware_beside(config: CotConfig | MotionConfig, sensor: Sensor) -> Beside:
+    """The module with this configuration; compiled where that has not been done, which takes 10 to 60 s.
+
+    The golden model decides as the RTL does, bit for bit. It is there from the start where the RTL
+    cannot be compiled, and takes over, beginning anew, when events come faster than the simulation takes them.
+    """
+    warm_up(GoldenTracker(config), sensor)
+    try:
+        tracker = DeviceTracker(config, model=build_device(config, waves=False))
+    except ToolchainError as error:
+        return Beside(HARDWARE, f"{_MODEL}; {error}", GoldenTracker(config))
+    return Beside(HARDWARE, _RTL, tracker, (_MODEL, lambda: GoldenTracker(config)))
+
+
+def warm_up(tracker: Tracker, sensor: Sensor) -> None:
+    """Have everything compiled before the first event comes: a blob that rests for a while does it."""
+    random = np.random.default_rng(0)
+    x, y = ((side / 2 + random.normal(0, 2, _BLOB_EVENTS)).clip(0, side - 1).astype(np.uint16) for side in sensor)
+    polarity = random.integers(2, size=_BLOB_EVENTS).astype(np.uint8)
+    tracker.feed(Events(np.arange(_BLOB_EVENTS, dtype=np.int64) * 20, x, y, polarity))
+    tracker.finish()
+
 
 _LOSSES_MAX = 3  # until a substitute takes over
 _LOSS_S = 1.0  # between two that count

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, RecordingError
-from evcot.events import Events, Recording
+from evcot.events import Events, Recording, check_pixels
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
 from evcot.hardware.config import CotConfig, HardwareConfig, MotionConfig
@@ -26,9 +26,8 @@ from evcot.tracks.compare import Agreement, compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 
-from ..devices.base import HardwareError, Stalls
+from ..devices.base import HardwareError, Stalls, check_silence
 from ..devices.device import Device, build_device
-from ..devices.silence import check_silence
 from ..rtl.build import BuiltModel
 from .lockstep import Lockstep, chunks
 from .mismatch import Mismatch
@@ -88,12 +87,18 @@ class CosimRun:
 
 
 def check_addresses(recording: Recording, config: HardwareConfig) -> None:
-    """Raise ConfigError when the hardware's addresses are too narrow for the recording's sensor."""
+    """Check that addresses in hardware, and memories of trackers and filters, reach every pixel of the recording's sensor.
+
+    Raises:
+        ConfigError: too few bits of an address.
+        RecordingError: too many pixels.
+    """
     check_addresses_of((recording.width, recording.height), config, recording.name)
 
 
 def check_addresses_of(sensor: Sensor, config: HardwareConfig, name: str) -> None:
     """As `check_addresses`, for a sensor (width, height); `name` is what it belongs to."""
+    check_pixels(*sensor)
     for field, bits, size in (("x_w", config.shape.x_w, sensor[0]), ("y_w", config.shape.y_w, sensor[1])):
         if size > 1 << bits:
             raise ConfigError(f"shape.{field} = {bits}: too few bits for {size} pixels of {name}")

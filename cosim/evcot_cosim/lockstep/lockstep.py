@@ -21,9 +21,8 @@ from evcot.hardware.model import Decisions
 from evcot.ticks import TickCounter
 from evcot.tracks.log import Kind
 
-from ..devices.base import HardwareError, Stalls
+from ..devices.base import HardwareError, Stalls, check_silence
 from ..devices.device import Device, DeviceState, StreamTimes
-from ..devices.silence import check_silence
 from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 

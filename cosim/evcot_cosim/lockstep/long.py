@@ -89,7 +89,7 @@ def run_long(
 
     Args:
         work: where the logs grow; it continues from its state.
-        every: events from one checkpoint to the next, rounded up to whole chunks; 0 makes none.
+        every: events from one checkpoint to the next, rounded up to whole chunks, and one after the last event; 0 makes none.
         resumed: called with the number of events that an earlier process has driven.
         stall_seed, building, progress: as of `cosim.run_cosim`.
 
@@ -123,6 +123,18 @@ def run_long(
             _keep(logs[1], tallies[1], *software.feed(chunk))
             software_s += time.perf_counter() - started
 
+        def save() -> None:
+            beside.wait()
+            for log in logs:
+                log.flush()
+            work.save(
+                {
+                    "tallies": tallies, "hardware": logs[0].lengths, "software": logs[1].lengths, "tracker": software,
+                    "software_s": software_s, "begin_us": begin_us, "end_us": end_us, "digest": made_of.hex(),
+                    "lockstep": lockstep.state(),
+                }
+            )  # fmt: skip
+
         with (
             Lockstep(device_config, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep,
             _Beside() as beside,
@@ -145,17 +157,10 @@ def run_long(
                     progress(lockstep.events, end_us - begin_us, lockstep.events / lockstep.wall_s)
                 if every and lockstep.events - at >= every and not lockstep.events % CHUNK:
                     at = lockstep.events
-                    beside.wait()
-                    for log in logs:
-                        log.flush()
-                    work.save(
-                        {
-                            "tallies": tallies, "hardware": logs[0].lengths, "software": logs[1].lengths, "tracker": software,
-                            "software_s": software_s, "begin_us": begin_us, "end_us": end_us, "digest": made_of.hex(),
-                            "lockstep": lockstep.state(),
-                        }
-                    )  # fmt: skip
+                    save()
             beside.wait()
+            if every and lockstep.events > at:
+                save()  # what follows, logs and pages, takes minutes and may find the disk full
             _keep(logs[1], tallies[1], software.finish(), np.empty(0, np.int16))
             cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
     for log, engine in zip(logs, (device_config.module, config.software), strict=True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Named moments of a run: the third merge, a time, an event, the first difference between hardware and model."""
+"""Named moments of a run: the merge of a track, a time, an event, the first difference between hardware and model."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ from .summary import SUMMARY, read_summary
 __all__ = ["Moment", "find_moment"]
 
 _KINDS = {"birth": Kind.BORN, "move": Kind.MOVED, "merge": Kind.MERGED, "loss": Kind.LOST}
+
+_IDS_LISTED = 10  # in a message
 
 
 @dataclass(frozen=True)
@@ -54,13 +56,15 @@ def find_moment(text: str, recording: Recording, config: CotConfig | MotionConfi
     events = recording.events
     if what in _KINDS:
         records = track(recording, config).of_kind(_KINDS[what])
-        n = _whole(text, number if colon else "1")
-        if not 1 <= n <= len(records):
-            rule = f"must be from 1 to {len(records)}" if len(records) else f"there is no {what} in this run"
-            raise ConfigError(f"--around {text}: {rule}")
-        record = records[n - 1]
-        index = min(int(record["event_index"]), len(events) - 1)
-        return Moment(index, f"{what} {n}", _KINDS[what], int(record["track_id"]))
+        if not len(records):
+            raise ConfigError(f"--around {text}: there is no {what} in this run")
+        own = np.flatnonzero(records["track_id"] == _whole(text, number)) if colon else np.zeros(1, np.int64)
+        if not len(own):
+            ids = _listed(np.unique(records["track_id"]).tolist())
+            raise ConfigError(f"--around {text}: must be the id of a track with a {what}: {ids}")
+        record = records[own[0]]
+        track_id, index = int(record["track_id"]), min(int(record["event_index"]), len(events) - 1)
+        return Moment(index, f"{what} {track_id}", _KINDS[what], track_id)
     if what == "event":
         index = _whole(text, number)
         if index >= len(events):
@@ -71,6 +75,12 @@ def find_moment(text: str, recording: Recording, config: CotConfig | MotionConfi
     if text == "mismatch":
         return Moment(_mismatch(folder), "mismatch")
     raise ConfigError(f"--around {text}: must be {MOMENTS}")
+
+
+def _listed(ids: list[int]) -> str:
+    """Ids in words; of many, the first and the last."""
+    few = [*map(str, ids)] if len(ids) <= _IDS_LISTED else [*map(str, ids[: _IDS_LISTED - 1]), "…", str(ids[-1])]
+    return ", ".join(few)
 
 
 def _whole(text: str, number: str) -> int:

@@ -7,6 +7,7 @@ Its table `[run]` names the events; the rest is a complete configuration (see
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
@@ -15,20 +16,37 @@ from typing import Any
 
 import tomli_w
 
+import evcot
 from evcot.digest import digest
-from evcot.errors import ConfigError, RecordingError, meant
+from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Mode
-from evcot.metrics.beside import truth_beside
+from evcot.metrics.truth import truth_beside
 from evcot.outputs import RUN_FILE, written_aside
 from evcot.recordings.files import Damage, RecordingFile, open_recording
 from evcot.scenes import Scene, Truth
-from evcot.scenes.registry import SCENES, simulate_scene
+from evcot.scenes.registry import SCENES, check_source, simulate_scene
 from evcot.toml_file import read_toml
 from evcot.trackers.config import RunConfig, load_toml
 
-__all__ = ["HEAD_EVENTS", "RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
+from ..standard_streams import as_file
+
+__all__ = [
+    "HEAD_EVENTS",
+    "RUN_FILE",
+    "SUMMARY",
+    "RunFile",
+    "Source",
+    "config_tables",
+    "made_again",
+    "made_by",
+    "read_run_file",
+    "run_toml",
+    "write_run_file",
+]
+
+SUMMARY = "summary.json"  # beside run.toml
 
 HEAD_EVENTS = 1 << 18  # of a long recording, in memory
 _HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] names the source of the events.\n"
@@ -65,16 +83,18 @@ class Source:
         Raises:
             RecordingError: neither a file nor a scene.
         """
-        is_file = Path(name).exists()
-        if not is_file and name not in SCENES:
-            scenes = f"nor is it a scene, one of {', '.join(SCENES)}{meant(name, SCENES)}"
-            raise RecordingError(f"{name}: cannot be read: No such file or directory; {scenes}")
-        return cls(name, is_scene=not is_file)
+        check_source(name)
+        return cls(name, is_scene=not Path(name).exists())
 
     @property
     def name(self) -> str:
         """Name for files and titles made from the events."""
         return self.recording if self.is_scene else Path(self.recording).stem
+
+    @property
+    def path(self) -> Path:
+        """The recording's file; that of standard input is temporary."""
+        return as_file(Path(self.recording))
 
     @property
     def truth_file(self) -> Path | None:
@@ -101,7 +121,7 @@ class Source:
         """
         sensor = (self.width, self.height) if self.width else None
         damage: Damage = "skip" if self.skip_damaged else "refuse"
-        return open_recording(Path(self.recording), sensor, damage=damage, struct=self.struct or None)
+        return open_recording(self.path, sensor, damage=damage, struct=self.struct or None)
 
     def blocks(self, file: RecordingFile) -> Iterator[Events]:
         """The events of the opened file, block by block."""
@@ -219,9 +239,15 @@ def read_run_file(path: Path) -> RunFile | None:
     folder.
 
     Raises:
-        ConfigError: as `load_toml`, or an invalid table `[run]`; the message starts with the file's name.
+        ConfigError: as `load_toml`, or an invalid table `[run]`; the message starts with the file's name, and says if another
+            version of evcot made the run.
     """
-    config = load_toml(path, RunConfig())
+    try:
+        config = load_toml(path, RunConfig())
+    except ConfigError as error:
+        if made_by(path.parent) in ("", evcot.__version__):
+            raise
+        raise ConfigError(f"{error}; {made_again(path.parent)}") from error
     run = read_toml(path).get("run")
     if run is None:
         return None
@@ -243,6 +269,23 @@ def read_run_file(path: Path) -> RunFile | None:
     name = scene or str(path.absolute().parent / run.pop("recording"))
     stalls, known = run.pop("stalls", None), run.pop("digest", "")
     return RunFile(Source(name, is_scene=scene is not None, **run), stalls, known, config)
+
+
+def made_by(folder: Path) -> str:
+    """The version of evcot that made a run, as its summary says; empty if unknown."""
+    try:
+        return str(json.loads((folder / SUMMARY).read_text(encoding="utf-8"))["versions"]["evcot"])
+    except (OSError, ValueError, LookupError, TypeError):
+        return ""
+
+
+def made_again(folder: Path) -> str:
+    """Why a run does not fit, and what to do about it."""
+    made, now = made_by(folder) or "an unknown version of evcot", evcot.__version__
+    why = (
+        f"it was changed, or an earlier state of evcot {now} wrote it" if made == now else f"it is of {made}, and this is {now}"
+    )
+    return f"{why}: run `evcot cosim` on its recording again"
 
 
 _MEANING = {"str": "text", "int": "a whole number, not negative", "bool": "true or false"}

@@ -8,6 +8,7 @@ import json
 import platform
 import textwrap
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +21,17 @@ from evcot.events import Recording
 from evcot.metrics.quality import Quality
 from evcot.outputs import written_aside
 from evcot.trackers.config import RunConfig
-from evcot.tracks.compare import Comparison
-from evcot.tracks.life_lengths import life_lengths
+from evcot.tracks.compare import Agreement, Comparison
 from evcot.tracks.log import DROPPED, Kind, TrackLog
+from evcot.tracks.log_parts import life_lengths
 from evcot.tracks.timeline import lifetimes
 
 from ..rtl.toolchain import find_toolchain
 from .cosim import CosimRun
 from .long import LongRun
 from .mismatch import Mismatch
+from .run_file import SUMMARY, made_again
+from .truth import Truth
 from .verdict import Verdict, verdict_by, verdict_of
 
 __all__ = [
@@ -42,13 +45,16 @@ __all__ = [
     "write_summary",
 ]
 
+_LATENCY = ("median", "p99", "max", "histogram")
 _LEAST_ROOM = 30  # characters of a text on a line, however narrow the terminal is
 
-SUMMARY = "summary.json"  # its name in the folder of a run
 
+def summarise(run: CosimRun, command: str, truth: Truth | None = None) -> dict[str, Any]:
+    """All figures of a run as plain values; undefined ones are None.
 
-def summarise(run: CosimRun, command: str) -> dict[str, Any]:
-    """All figures of a run as plain values; undefined ones are None."""
+    Args:
+        truth: the ground truth within the time of the events.
+    """
     recording, events = run.recording, len(run.recording.events)
     recording_s = recording.duration_us / 1e6
     logs = {"hardware": run.hardware, "model": run.model, "software": run.software}
@@ -81,7 +87,9 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
         "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
         **_provenance(command),
     }
-    verdict = verdict_of(recording, {"hardware": run.hardware, "software": run.software}, summary)
+    judged = {"hardware": run.hardware, "software": run.software}
+    summary |= {"truth": truth.figures(judged)} if truth else {}
+    verdict = verdict_of(recording, judged, summary)
     return summary | {"verdict": verdict.to_dict()}
 
 
@@ -180,7 +188,7 @@ def read_summary(path: Path) -> dict[str, Any]:
     """Read what `write_summary` wrote.
 
     Raises:
-        ConfigError: it cannot be read, or is not a summary.
+        ConfigError: it cannot be read, is not a summary, or lacks figures that this version has.
     """
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
@@ -192,7 +200,28 @@ def read_summary(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: must hold an object, as `evcot cosim` writes it")
     if isinstance(summary.get("agreement"), dict):
         _count(summary["agreement"])
+    if lacking := _lacking(summary):
+        more = f" and {len(lacking) - 1} more" if len(lacking) > 1 else ""
+        raise ConfigError(f"{path}: lacks {lacking[0]}{more}: {made_again(path.parent)}")
     return summary
+
+
+def _lacking(summary: Mapping[str, Any]) -> list[str]:
+    """The dotted names of figures that a section must have, and has not; sections themselves may be missing."""
+    wanted = {"latency_clocks": _LATENCY, "agreement": _names(Agreement), "verdict": _names(Verdict)}
+    sections = [(section, summary[section], names) for section, names in wanted.items() if summary.get(section) is not None]
+    figures = verdict.get("figures") if isinstance(verdict := summary.get("verdict"), dict) else None
+    if isinstance(figures, dict):
+        sides = {*figures, *(("hardware", "software") if summary.get("agreement") else ())}
+        sections += [(f"verdict.figures.{side}", figures.get(side), _names(Quality)) for side in sorted(sides)]
+    lacking = ["filtered_fraction"] if summary.get("filters") and "filtered_fraction" not in summary else []
+    for section, values, names in sections:
+        lacking += [f"{section}.{name}" for name in names if name not in values] if isinstance(values, dict) else [section]
+    return lacking
+
+
+def _names(of: type) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(of))
 
 
 def _count(agreement: dict[str, Any]) -> None:

@@ -8,47 +8,58 @@ imports, must be there first: `make generate` runs `python -m evcot.hardware.gen
 
 from __future__ import annotations
 
-import json
+import re
 import sys
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
 
+import evcot
 from evcot.errors import EvcotError
 from evcot.hardware.generate import render
 from evcot.outputs import written_aside
+from evcot.templating import templates
 
-from ..fpga.core import core_text
-from ..fpga.headers import HEADERS
-from ..fpga.outdated import page as figures_page
-from ..rtl.files import verilog_dir
-from .drawing import svg
+from ..fpga import board, selftest
+from ..fpga.report import page as figures_page
+from ..rtl.files import manifest, verilog_dir
 from .guides import alike, guide, pictures, scripts
 from .interfaces import DIAGRAMS
-from .trace import Diagram
+from .trace import Diagram, svg
 
 __all__ = ["FILES", "stale", "write_stale"]
 
 
-def _source(diagram: Diagram) -> str:
-    """The JSON source of a diagram, with one lane per line."""
-    lines = ",\n  ".join(json.dumps(lane, ensure_ascii=False) for lane in diagram["signal"])
-    return f'{{"signal": [\n  {lines}\n],\n"config": {json.dumps(diagram["config"])}}}\n'
+def _core() -> str:
+    """The FuseSoC core, with the files of the manifest."""
+    return templates("evcot_cosim.fpga").get_template("evcot.core.j2").render(version=evcot.__version__, files=manifest())
 
 
 def _title(name: str) -> str:
     return (DIAGRAMS[name].__doc__ or "").splitlines()[0]
 
 
+_VERSION = re.compile(r'(?<=^version: ).+$|(?<=<version>)[^<]+|(?<=^    version=")[^"]+', re.MULTILINE)
+
+
+def _with_version(path: str) -> str:
+    """A file that is written by hand, but for evcot's version."""
+    text, count = _VERSION.subn(evcot.__version__, (verilog_dir().parents[1] / path).read_text(encoding="utf-8"))
+    assert count == 1, path
+    return text
+
+
 _diagram: Callable[[str], Diagram] = cache(lambda name: DIAGRAMS[name]())
 _rendered = cache(render)
 
+_VERSIONED = ("CITATION.cff", "contrib/evcot_ros/package.xml", "contrib/evcot_ros/setup.py")
+
 FILES: Mapping[str, Callable[[], str]] = MappingProxyType(
     {path: partial(lambda path: _rendered()[path], path) for path in _rendered()}
-    | {"hw/evcot.core": core_text}
-    | {f"hw/fpga/{name}": text for name, text in HEADERS.items()}
-    | {f"docs/timing/{name}.json": partial(lambda name: _source(_diagram(name)), name) for name in DIAGRAMS}
+    | {"hw/evcot.core": _core}
+    | {path: partial(_with_version, path) for path in _VERSIONED}
+    | {"hw/fpga/evcot_selftest.vh": selftest.header, "hw/fpga/board_selftest.vh": board.header}
     | {f"docs/images/timing_{name}.svg": partial(lambda name: svg(_diagram(name), _title(name)), name) for name in DIAGRAMS}
     | {"docs/fpga.md": figures_page}
     | {f"docs/guides/{script.stem}.md": partial(lambda script: guide(script).page, script) for script in scripts()}

@@ -2,11 +2,13 @@
 """Guides: Python scripts in docs/guides that are run, cell by cell, and shown as pages with what they print and draw.
 
 `# %% [markdown]` begins a cell of text, each line behind `# `; `# %%` begins a cell of code. What a cell prints follows it in
-the page, and so does a picture guide_*.png that it writes.
+the page, then its value if that is one of evcot's, as a notebook without a browser shows it, and then a picture guide_*.png
+that it writes.
 """
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import io
 import json
@@ -29,6 +31,7 @@ __all__ = ["Cell", "Guide", "alike", "cells", "guide", "notebook", "pictures", "
 
 _MARK = re.compile(r"^# %%(?P<markdown> \[markdown\])?$")
 _PICTURES = "guide_*.png"
+_SHOWN = ("evcot", "evcot_cosim")  # packages of values that a page shows
 _ALIKE = 2.0  # mean difference of two pictures, of 255, that fonts and versions may make
 
 
@@ -123,9 +126,10 @@ def _run(script: Path) -> Iterator[str]:
             continue
         yield f"```python\n{cell.text}\n```"
         printed = io.StringIO()
-        code = compile("\n" * (cell.line - 1) + cell.text, str(script), "exec", dont_inherit=True)
         with contextlib.redirect_stdout(printed):
-            exec(code, names)
+            value = _value("\n" * (cell.line - 1) + cell.text, str(script), names)
+            if type(value).__module__.partition(".")[0] in _SHOWN and not hasattr(value, "_repr_png_"):  # a picture is written
+                print(repr(value))
         lines = [line.rstrip() for line in printed.getvalue().splitlines()]
         if lines:
             yield "\n".join(["```text", *lines, "```"])
@@ -133,6 +137,18 @@ def _run(script: Path) -> Iterator[str]:
             if path.name not in shown:
                 shown.add(path.name)
                 yield f"![{path.stem.replace('_', ' ')}](../images/{path.name})"
+
+
+def _value(code: str, file: str, names: dict[str, object]) -> object:
+    """Run code; returns the value of its last line if that is an expression, else None."""
+    tree = ast.parse(code, file)
+    last = tree.body[-1] if tree.body else None
+    if not isinstance(last, ast.Expr):
+        last = None
+    else:
+        tree.body.pop()
+    exec(compile(tree, file, "exec", dont_inherit=True), names)
+    return None if last is None else eval(compile(ast.Expression(last.value), file, "eval", dont_inherit=True), names)
 
 
 @contextlib.contextmanager

@@ -15,8 +15,7 @@ from evcot.tracks.log import Kind
 from ..devices.base import reset
 from ..rtl.build import load
 from .serial_line import uart_byte, uart_frames
-from .stimulus import Offer, play
-from .trace import Diagram, Lane, Trace, wire
+from .trace import Diagram, Lane, Offer, Trace, play, wire
 
 __all__ = ["DIAGRAMS"]
 

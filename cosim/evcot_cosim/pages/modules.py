@@ -11,8 +11,7 @@ from ..fpga.catalogue import MODULES
 from ..fpga.devices import DEVICES
 from ..fpga.figures import Figure, load, recorded_with
 from ..fpga.header import DeclaredPort, Header, read
-from ..fpga.outdated import outdated
-from ..fpga.report import MARK
+from ..fpga.report import MARK, outdated
 from ..rtl.files import modules, verilog_dir
 
 __all__ = ["page"]
@@ -28,7 +27,8 @@ table is only measured as a part of others.
 
 What all trackers have in common (addresses of registers and the rules between them, when `cfg_*` may be written, kinds of
 records, order between the streams, what a blocked output stops) is on [registers.md](registers.md). A bench written from these
-two pages alone, in plain Verilog: [integrator_tb.v](../hw/fpga/examples/integrator_tb.v).
+two pages alone, in plain Verilog: [integrator_tb.v](../hw/fpga/examples/integrator_tb.v). Test vectors for
+any bench, and cocotb: [vectors.md](vectors.md).
 
 """
 

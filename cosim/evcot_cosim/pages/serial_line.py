@@ -6,7 +6,7 @@ from __future__ import annotations
 from evcot.hardware.registers import register_map
 
 from ..devices.base import reset
-from ..fpga.uart_line import BYTE_BITS, Receiver, levels, request
+from ..fpga.serial_host import BYTE_BITS, Receiver, levels, request
 from ..rtl.build import load
 from .trace import Diagram, wave
 

@@ -4,11 +4,11 @@
 Data flows one way: `Material` (logs and figures) → `collect` (columns of numbers) → `pack` (one text) → `page` (the file).
 """
 
+from ..lockstep.truth import Truth, truth_of
 from .comparison import Run, comparison_of
 from .material import Material, Side
-from .page import write_report
-from .truth import Truth, truth_of
+from .page import render, write_report
 
-__all__ = ["REPORT", "Material", "Run", "Side", "Truth", "comparison_of", "truth_of", "write_report"]
+__all__ = ["REPORT", "Material", "Run", "Side", "Truth", "comparison_of", "render", "truth_of", "write_report"]
 
 REPORT = "report.html"  # its name in the folder of a run

@@ -22,7 +22,7 @@ from ..lockstep.summary import SUMMARY, summarise, summarise_mismatch, write_sum
 from ..waves.window import Window, wave_names, write_waves
 from . import REPORT, Material, Side, truth_of, write_report
 
-__all__ = ["run_names", "save_run", "write_mismatch", "write_run"]
+__all__ = ["files_of", "run_names", "save_run", "write_mismatch", "write_run"]
 
 _RECORDING = "recording.npz"  # in the folder of a run of a recording that was made in memory
 
@@ -34,6 +34,12 @@ def run_names() -> list[str]:
     """Names of the files that `write_run` and `write_mismatch` may write."""
     logs = [f"{name}.{suffix}" for name in ("hardware", "model", "software") for suffix in ("npz", "csv", "parquet")]
     return [RUN_FILE, SUMMARY, REPORT, _RECORDING, "picture.png", *logs, *wave_names("waves"), *wave_names("mismatch")]
+
+
+def files_of(folder: Path) -> tuple[tuple[str, int], ...]:
+    """The files of a run in its folder, without the report: name and size in bytes, in the order of `run_names`."""
+    paths = (folder / name for name in run_names() if name != REPORT)
+    return tuple((path.name, path.stat().st_size) for path in paths if path.is_file())
 
 
 def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, waves: bool = True) -> dict[str, Any]:
@@ -48,7 +54,10 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
     Raises:
         OutputError: a file cannot be written.
     """
-    summary = summarise(run, command)
+    truth = truth_of(made_of.source, run.recording)
+    t_us = run.recording.events.t_us
+    truth = truth.within(int(t_us[0]), int(t_us[-1])) if truth else None
+    summary = summarise(run, command, truth)
     with folder_written_aside(folder, "cosim") as aside:
         if run.source is None:
             write_recording(run.recording, aside / _RECORDING)
@@ -67,8 +76,8 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
             )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / SUMMARY)
-        sides = (Side("hardware", run.hardware), Side("software", run.software))
-        write_report(Material(run.recording, summary, sides, truth_of(made_of.source, run.recording)), aside / REPORT)
+        sides = (Side("hardware", run.hardware, str(folder)), Side("software", run.software))
+        write_report(Material(run.recording, summary, sides, truth, files=files_of(aside)), aside / REPORT)
     return summary
 
 
@@ -102,13 +111,15 @@ def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile,
         hardware, model = rerun(recording, config, found)
         for name, log in (("hardware", hardware), ("model", model)):
             log.save_npz(aside / f"{name}.npz")
-        sides = (Side("hardware", hardware), Side("model", model))
-        write_report(Material(recording, summary, sides, truth_of(made_of.source, recording)), aside / REPORT)
+        sides = (Side("hardware", hardware, str(folder)), Side("model", model))
+        truth = truth_of(made_of.source, recording)
+        write_report(Material(recording, summary, sides, truth, files=files_of(aside)), aside / REPORT)
 
 
 def _telling_moment(run: CosimRun) -> Moment:
-    for kind, name in ((Kind.MERGED, "merge 1"), (Kind.BORN, "birth 1")):
+    for kind, name in ((Kind.MERGED, "merge"), (Kind.BORN, "birth")):
         records = run.hardware.of_kind(kind)
         if len(records):
-            return Moment(int(records["event_index"][0]), name, kind, int(records["track_id"][0]))
+            track_id = int(records["track_id"][0])
+            return Moment(int(records["event_index"][0]), f"{name} {track_id}", kind, track_id)
     return Moment(0, "event 0")

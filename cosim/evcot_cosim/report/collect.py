@@ -3,26 +3,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.tracks.log import TrackLog
-from evcot.tracks.timeline import OPEN, alive, lifetimes
+from evcot.tracks.timeline import OPEN, lifetimes
 
-from .material import Material, Side
-from .pack import Column
-from .paths import Paths, log_paths, truth_paths
-from .subsample import thinned_events
-from .tc_curve import quiet_peaks
+from .material import Material
+from .objects import TRUTH, objects_of
+from .pack import Column, thinned_events
+from .paths import Paths, lasting, log_paths, truth_paths
 
 __all__ = ["Collected", "collect", "looks_of"]
 
 _LOOKS = ("hardware", "model", "software")  # sides with a look of their own
 _ALIKE = {"a": "hardware", "b": "software"}  # two runs
+_LABELS = {"hardware": ("hardware", "HW"), "software": ("software", "SW"), "a": ("A", "A"), "b": ("B", "B")}  # long, short
 _OTHERS = 4  # looks for further engines
 _BINS = 800  # of the curve of events over time
 _STEPS_MAX = 8_000  # of the curve of clusters alive
@@ -32,11 +30,13 @@ _CELLS_MAX = 2_048  # per side: of larger sensors several pixels are drawn as on
 
 @dataclass(frozen=True)
 class Collected:
-    """`columns`: data to pack; `facts`: plain values; `paths`: those of each side and of the truth; `shown`: events kept."""
+    """`columns`: data to pack; `facts`: plain values; `paths`, `objects`: lives, and the numbers of their objects, of each side
+    and of the truth; `shown`: events kept."""
 
     columns: dict[str, Column]
     facts: dict[str, Any]
     paths: dict[str, Paths]
+    objects: dict[str, NDArray[np.int64]]
     shown: int
 
 
@@ -45,33 +45,29 @@ def collect(material: Material, events_max: int) -> Collected:
     begin_us, end_us = material.span_us
     paths = {side.name: log_paths(side.log, end_us) for side in material.sides}
     if material.truth is not None:
-        paths["truth"] = truth_paths(material.truth.objects)
+        paths[TRUTH] = truth_paths(material.truth.objects)
     columns, owners = _events(material, events_max)
     edges_us = np.linspace(begin_us, max(end_us, begin_us + 1), _BINS + 1)[1:-1]
     columns["rate"] = Column(np.diff(np.searchsorted(material.events.t_us, edges_us), prepend=0, append=len(material.events)))
-    sides: list[dict[str, Any]] = []
     looks = looks_of([side.name for side in material.sides])
-    for side in material.sides:
-        peaks = quiet_peaks(side.log, material.events.t_us)
-        columns |= paths[side.name].columns(side.name, begin_us) | _alive(side.name, side.log, begin_us, end_us)
-        columns[f"{side.name}.quiet"] = Column(peaks.peaks_us.ravel())
+    sides: list[dict[str, Any]] = []
+    numbers = objects_of(paths)
+    for name, own in paths.items():
+        side = next((side for side in material.sides if side.name == name), None)
+        lives = lifetimes(side.log, end_us) if side else own.lives
+        columns |= own.columns(name, begin_us) | _alive(name, lives[lasting(lives)], begin_us)
+        columns[f"{name}.object"] = Column(numbers[name], delta=True)
+        label, short = _LABELS.get(name, (name, name))
         sides.append(
-            _names(side.name, paths[side.name])
-            | {
-                "engine": side.log.engine,
-                "look": looks[side.name],
-                "hardware": side.is_hardware,
-                "ring": _ring(side, material.summary),
-                "moving": paths[side.name].moving,
-                "stretch": peaks.stretch_us,
-                "stretches": peaks.peaks_us.shape[1],
+            {
+                "name": name,
+                "label": label,
+                "short": short,
+                "ids": own.names,
+                "look": looks.get(name, TRUTH),
+                "moving": own.moving,
+                "waves": side.run if side else None,
             }
-        )
-    if "truth" in paths:
-        columns |= paths["truth"].columns("truth", begin_us) | _alive_of_lives(paths["truth"], begin_us)
-        sides.append(
-            _names("truth", paths["truth"])
-            | {"engine": None, "look": "truth", "hardware": False, "ring": None, "moving": False, "stretch": 0, "stretches": 0}
         )
     facts = {
         "width": material.recording.width,
@@ -83,15 +79,11 @@ def collect(material: Material, events_max: int) -> Collected:
         "owners": owners,
         "sides": sides,
     }
-    return Collected(columns, facts, paths, len(columns["t"].values))
+    return Collected(columns, facts, paths, numbers, len(columns["t"].values))
 
 
 def _cell(material: Material) -> int:
     return -(-max(material.recording.width, material.recording.height) // _CELLS_MAX)
-
-
-def _names(name: str, paths: Paths) -> dict[str, Any]:
-    return {"name": name, "ids": paths.names}
 
 
 def looks_of(names: list[str]) -> dict[str, str]:
@@ -99,12 +91,6 @@ def looks_of(names: list[str]) -> dict[str, str]:
     alike = {name: _ALIKE.get(name, name) for name in names}
     others = [name for name in names if alike[name] not in _LOOKS or (name == "model" and "software" in names)]
     return {name: f"other{others.index(name) % _OTHERS + 1}" if name in others else alike[name] for name in names}
-
-
-def _ring(side: Side, summary: Mapping[str, Any]) -> list[int] | None:
-    """Per slot, the difference of window and inner radius; cot_motion has no inner radius."""
-    slots = summary.get("config", {}).get("hardware", {}).get("slots") if side.is_hardware else None
-    return [slot["radix_th"] for slot in slots] if slots else None
 
 
 def _events(material: Material, events_max: int) -> tuple[dict[str, Column], list[list[int]]]:
@@ -144,20 +130,10 @@ def _joint(owners: list[NDArray[np.int16]], n: int) -> tuple[NDArray[np.int64], 
     return rank[joint], [[int(owner[first[code]]) for owner in owners] for code in by_count]
 
 
-def _alive(name: str, log: TrackLog, begin_us: int, end_us: int) -> dict[str, Column]:
-    lives = lifetimes(log, end_us)
-    times_us = np.unique(np.concatenate(([begin_us], lives["birth_us"], lives["end_us"][lives["ended"] != OPEN])))
-    if len(times_us) > _STEPS_MAX:
-        times_us = np.unique(np.linspace(begin_us, end_us, _STEPS_MAX).astype(np.int64))
-    return _steps(name, times_us - begin_us, alive(log, times_us))
-
-
-def _alive_of_lives(paths: Paths, begin_us: int) -> dict[str, Column]:
-    births, ends = paths.lives["birth_us"], np.sort(paths.lives["end_us"][paths.lives["ended"] != OPEN])
-    times_us = np.unique(np.concatenate(([begin_us], births, ends)))
-    counts = np.searchsorted(births, times_us, "right") - np.searchsorted(ends, times_us, "right")
-    return _steps("truth", times_us - begin_us, counts)
-
-
-def _steps(name: str, times_us: NDArray[np.int64], counts: NDArray[Any]) -> dict[str, Column]:
-    return {f"{name}.alive_t": Column(times_us, delta=True), f"{name}.alive": Column(counts, delta=True)}
+def _alive(name: str, lives: NDArray[np.void], begin_us: int) -> dict[str, Column]:
+    """The number of lives over time, as steps; of very many steps an even selection."""
+    births_us, ends_us = np.sort(lives["birth_us"]), np.sort(lives["end_us"][lives["ended"] != OPEN])
+    times_us = np.unique(np.concatenate(([begin_us], births_us, ends_us)))
+    times_us = times_us[:: -(-len(times_us) // _STEPS_MAX)]
+    counts = np.searchsorted(births_us, times_us, "right") - np.searchsorted(ends_us, times_us, "right")
+    return {f"{name}.alive_t": Column(times_us - begin_us, delta=True), f"{name}.alive": Column(counts, delta=True)}

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,10 +16,10 @@ from evcot.tracks.compare import Agreement, compare
 from evcot.tracks.log import TrackLog
 
 from ..lockstep.cosim import NEAR_PX
-from ..lockstep.verdict import Verdict, verdict_from, verdict_of
-from .facts import figure, flat, percent
-from .material import PAIR, Comparison, Material, Side
-from .truth import Truth
+from ..lockstep.truth import Truth
+from ..lockstep.verdict import Verdict, verdict_by, verdict_of
+from .facts import METRICS, figure, flat
+from .material import PAIR, Comparison, Difference, Material, Side
 
 __all__ = ["Run", "comparison_of"]
 
@@ -28,12 +28,12 @@ _SETTINGS = ("hardware", "slots", "seed")  # of the summary, beside its config
 
 @dataclass(frozen=True)
 class Run:
-    """One of the runs: its name, usually the folder's, its summary and its logs."""
+    """One of the runs: its name, usually the folder's, its folder as typed, its summary, and the log of its hardware."""
 
     name: str
+    folder: str
     summary: Mapping[str, Any]
     hardware: TrackLog
-    software: TrackLog
 
 
 def comparison_of(recording: Recording, a: Run, b: Run, truth: Truth | None) -> Material:
@@ -45,27 +45,45 @@ def comparison_of(recording: Recording, a: Run, b: Run, truth: Truth | None) -> 
     for run in (a, b):
         if "mismatch" in run.summary:
             raise ConfigError(f"{run.name}: ended in a mismatch of hardware and model: must be a complete run")
-    verdicts = tuple(_verdict(recording, run) for run in (a, b))
-    sides = [Side(PAIR[0], a.hardware), Side(PAIR[1], b.hardware)]
-    if not _same(a.software, b.software):
-        sides += [Side("software_a", a.software), Side("software_b", b.software)]
-    agreement = _agreement(recording, a, b)
+    sides = tuple(Side(name, run.hardware, run.folder) for name, run in zip(PAIR, (a, b), strict=True))
+    summary = {"name": f"{a.name} and {b.name}", "agreement": _agreement(recording, a, b).to_dict()}
+    material = Material(recording, summary, sides, truth)
+    scored = material.truth.figures({side.name: side.log for side in sides}) if material.truth else None
+    verdicts = [_verdict(recording, run, scored, name) for run, name in zip((a, b), PAIR, strict=True)]
+    settings = [dict(flat(_settings_of(run.summary))) for run in (a, b)]
+    names = list(dict.fromkeys([*settings[0], *settings[1]]))
+    rows = [(name, settings[0].get(name, "–"), settings[1].get(name, "–")) for name in names]
+    figures = [*_scores(scored), *_qualities(verdicts), *_speeds(a.summary, b.summary)]
     comparison = Comparison(
         (a.name, b.name),
-        tuple((verdict.grade.word, verdict.headline) for verdict in verdicts),  # type: ignore[arg-type]
-        _settings(a.summary, b.summary),
-        [row for side in ("hardware", "software") for row in _figures(side, *(v.figures[side] for v in verdicts))],
-        _same(a.hardware, b.hardware),
+        _headline(verdicts, scored),
+        figures,
+        [row for row in rows if row[1] != row[2]],
+        len(rows),
+        (a.summary.get("command", ""), b.summary.get("command", "")),
+        np.array_equal(a.hardware.records, b.hardware.records) and np.array_equal(a.hardware.owner, b.hardware.owner),
     )
-    summary = {"name": f"{a.name} and {b.name}", "agreement": agreement.to_dict()}
-    return Material(recording, summary, tuple(sides), truth, comparison)
+    return Material(recording, summary | {"truth": scored}, sides, truth, comparison)
 
 
-def _verdict(recording: Recording, run: Run) -> Verdict:
+def _verdict(recording: Recording, run: Run, scored: Mapping[str, Any] | None, name: str) -> Verdict:
+    """The verdict of a run's hardware, with the truth where there is one."""
+    known = dict(run.summary)
+    known.pop("truth", None)
+    if scored is not None:
+        known["truth"] = dict(scored) | {"scores": {"hardware": scored["scores"][name]}}
     stored = run.summary.get("verdict")
-    if stored is not None:
-        return verdict_from(stored)
-    return verdict_of(recording, {"hardware": run.hardware, "software": run.software}, run.summary)
+    if stored is not None and "hardware" in stored["figures"]:
+        return verdict_by({"hardware": Quality(**stored["figures"]["hardware"])}, known)
+    return verdict_of(recording, {"hardware": run.hardware}, known)
+
+
+def _headline(verdicts: list[Verdict], scored: Mapping[str, Any] | None) -> str:
+    if scored is not None:
+        a, b = (round(scored["scores"][name]["hota"], 3) for name in PAIR)
+    else:
+        a, b = (float(-verdict.grade) for verdict in verdicts)
+    return "A is better" if a > b else "B is better" if b > a else "A and B are as good"
 
 
 def _agreement(recording: Recording, a: Run, b: Run) -> Agreement:
@@ -77,31 +95,51 @@ def _agreement(recording: Recording, a: Run, b: Run) -> Agreement:
     )
 
 
-def _same(one: TrackLog, other: TrackLog) -> bool:
-    return np.array_equal(one.records, other.records) and np.array_equal(one.owner, other.owner)
-
-
-def _settings(a: Mapping[str, Any], b: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    first, second = (dict(flat(_settings_of(summary))) for summary in (a, b))
-    names = [*first, *(name for name in second if name not in first)]
-    return [
-        (name, first.get(name, "–"), second.get(name, "–")) for name in names if first.get(name, "–") != second.get(name, "–")
-    ]
-
-
 def _settings_of(summary: Mapping[str, Any]) -> dict[str, Any]:
     return {name: summary[name] for name in _SETTINGS if name in summary} | dict(summary.get("config", {}))
 
 
-def _figures(side: str, a: Quality, b: Quality) -> list[tuple[str, str, str]]:
-    rows: tuple[tuple[str, Callable[[Quality], str]], ...] = (
-        ("tracks", lambda q: figure(q.tracks)),
-        ("alive on average", lambda q: figure(q.alive_mean)),
-        ("tracks per object alive", lambda q: figure(q.tracks_per_alive, 1)),
-        ("short tracks", lambda q: f"{q.short:,}" + (f" ({percent(q.short / q.lives)})" if q.lives else "")),
-        ("events in lasting tracks", lambda q: percent(q.owned_fraction)),
-        ("isolated events filtered out", lambda q: percent(q.isolated_dropped_fraction)),
-        ("isolated events in tracks", lambda q: percent(q.isolated_owned_fraction)),
-        ("tracks mostly of isolated events", lambda q: figure(q.noise_tracks)),
+def _difference(title: str, a: float | None, b: float | None, digits: int, better: int) -> Difference:
+    """A row of the comparison; `better`: 1 where more is better, -1 where less is, 0 where neither is."""
+    texts = figure(a, digits), figure(b, digits)
+    if a is None or b is None or texts[0] == texts[1]:
+        return Difference(title, *texts, "" if texts[0] == texts[1] else "–", "")
+    apart = f"{b - a:+,.{digits}f}".replace("-", "−")
+    return Difference(title, *texts, apart, PAIR[(b - a) * better > 0] if better else "")
+
+
+def _scores(scored: Mapping[str, Any] | None) -> list[Difference]:
+    if scored is None:
+        return []
+    a, b = (scored["scores"][name] for name in PAIR)
+    return [_difference(metric.title, a[metric.name], b[metric.name], metric.digits, metric.better) for metric in METRICS]
+
+
+def _qualities(verdicts: list[Verdict]) -> list[Difference]:
+    a, b = (verdict.figures["hardware"] for verdict in verdicts)
+    rows: tuple[tuple[str, str, float, int, int], ...] = (
+        ("Tracks", "tracks", 1, 0, 0),
+        ("Tracks at a time", "alive_mean", 1, 1, 0),
+        ("Short tracks", "short", 1, 0, -1),
+        ("Tracks that merged at birth", "absorbed", 1, 0, -1),
+        ("Events in lasting tracks, %", "owned_fraction", 100, 0, 1),
+        ("Isolated events filtered out, %", "isolated_dropped_fraction", 100, 0, 1),
+        ("Isolated events in tracks, %", "isolated_owned_fraction", 100, 0, -1),
+        ("Tracks mostly of isolated events", "noise_tracks", 1, 0, -1),
     )
-    return [(f"{side}: {what}", text(a), text(b)) for what, text in rows]
+    return [
+        _difference(title, _times(getattr(a, name), unit), _times(getattr(b, name), unit), digits, better)
+        for title, name, unit, digits, better in rows
+    ]
+
+
+def _speeds(a: Mapping[str, Any], b: Mapping[str, Any]) -> list[Difference]:
+    first, second = ((summary.get("latency_clocks") or {}).get("median") for summary in (a, b))
+    return [
+        _difference("Clocks per event", a.get("cycles_per_event"), b.get("cycles_per_event"), 2, -1),
+        _difference("Clocks from event to record, median", first, second, 0, -1),
+    ]
+
+
+def _times(value: float | None, unit: float) -> float | None:
+    return None if value is None else value * unit

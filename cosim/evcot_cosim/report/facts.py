@@ -4,78 +4,47 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from evcot.metrics import Scores
-from evcot.tracks.timeline import merges
+from ..lockstep.verdict import Grade, Line, Verdict
 
-from .material import Material
-
-__all__ = ["Differences", "Place", "agreement_rows", "differences", "flat", "latency_bars", "run_rows", "score_rows"]
+__all__ = [
+    "METRICS", "Bar", "Check", "Metric", "agreement_rows", "checks_of", "figure", "flat", "headline", "latency_bars", "percent",
+    "run_rows", "score_rows",
+]  # fmt: skip
 
 _UNKNOWN = "–"
+_BARS = 16  # of a histogram of clocks, at most
 
 
-@dataclass(frozen=True)
-class Place:
-    """A place in the playback: microseconds after the first event, the side and track to select, and a text."""
+class Check(NamedTuple):
+    """One check of the verdict: its one-word name, its grade, and its lines, the decisive side's first."""
 
-    at_us: int
-    side: str
-    track: str
-    text: str
+    name: str
+    grade: str
+    lines: list[Line]
 
 
-@dataclass(frozen=True)
-class Differences:
-    """Differences of hardware and software, that is merges and lifetimes without a partner; and merges of both."""
-
-    merges: list[Place]
-    lives: list[Place]
-    joint_merges: list[Place]
-
-
-def differences(material: Material) -> Differences | None:
-    """The differences listed in the agreement section, those of the pair; None without an agreement."""
-    agreement = material.summary.get("agreement")
-    if not agreement:
-        return None
-    begin_us = material.span_us[0]
-    lone_merges, lone_lives, joint = [], [], []
-    partners = {pair["hardware_id"]: pair for pair in agreement["merges"]}
-    for side in material.sides:
-        if side.name not in material.pair:
-            continue
-        first = side.name == material.pair[0]
-        key = "hardware" if first else "software"
-        alone = set(agreement[f"merges_unpaired_{key}"])
-        for row in merges(side.log):
-            at_us, track, into = int(row["t_us"]) - begin_us, int(row["track_id"]), int(row["other_id"])
-            text = f"into {into}"
-            if track in alone:
-                lone_merges.append(Place(at_us, side.name, str(track), text))
-            elif first and track in partners:
-                pair = partners[track]
-                late_ms, apart_px = pair["time_difference_us"] / 1e3, pair["distance_px"]
-                late = f"{material.pair[1]} {pair['software_id']} {late_ms:+.1f} ms, {apart_px:.1f} px"
-                joint.append(Place(at_us, side.name, str(track), f"{text}; {late}"))
-        births = _births(material, side.name)
-        for track in agreement[f"tracks_unpaired_{key}"]:
-            if track in births:
-                lone_lives.append(Place(births[track] - begin_us, side.name, str(track), ""))
-    for places in (lone_merges, lone_lives, joint):
-        places.sort(key=lambda place: place.at_us)
-    return Differences(lone_merges, lone_lives, joint)
+def checks_of(verdict: Verdict, decisive: str) -> list[Check]:
+    """The checks of a verdict in their order; a check is graded by the lines of the decisive side, and of the run."""
+    found: dict[str, list[Line]] = {}
+    for line in sorted(verdict.lines, key=lambda line: line.side not in ("", decisive)):
+        found.setdefault("exact" if line.about == "exactness" else line.about, []).append(line)
+    order = dict.fromkeys("exact" if line.about == "exactness" else line.about for line in verdict.lines)
+    return [Check(name, found[name][0].grade.word, found[name]) for name in order]
 
 
-def _births(material: Material, name: str) -> dict[int, int]:
-    """Time of birth of each track of a side."""
-    log = next(side.log for side in material.sides if side.name == name)
-    born = log.records[log.records["kind"] == 0]
-    return dict(zip(born["track_id"].tolist(), born["t_us"].tolist(), strict=True))
+def headline(verdict: Verdict, summary: Mapping[str, Any], tracked: bool) -> str:
+    """The verdict in a few words."""
+    if "mismatch" in summary or summary.get("exact") is False:
+        return "Hardware ≠ model"
+    if any(line.about == "length" for line in verdict.lines):
+        return "Too short to judge"
+    if not tracked:
+        return "Nothing was tracked"
+    return {Grade.GOOD: "Tracks look sound", Grade.FAIR: "Tracks are usable", Grade.POOR: "Tracks are poor"}[verdict.grade]
 
 
 def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -98,32 +67,59 @@ def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]
     ]  # fmt: skip
 
 
-_SCORES = (
-    ("HOTA", "hota", "detection and association together"),
-    ("DetA", "deta", "how well objects were found"),
-    ("AssA", "assa", "how well they kept one track"),
-    ("LocA", "loca", "how well the positions of matched pairs fit"),
-    ("MOTA", "mota", "1 minus the shares of misses, false outputs and switches"),
-    ("MOTP", "motp", "similarity of matched pairs"),
-    ("IDF1", "idf1", "share of outputs under the right identity"),
-    ("Switches of identity", "idsw", "an object goes on under another track"),
-    ("Interruptions", "frag", "an object without a track for a while"),
-    ("Mostly tracked objects", "mt", "for more than 80 % of their time"),
-    ("Mostly lost objects", "ml", "tracked for less than 20 % of their time"),
-    ("Position error, median (px)", "position_error_px_median", ""),
-    ("Position error, 90 % (px)", "position_error_px_p90", ""),
-    ("Velocity error, median (px/s)", "velocity_error_median", "of a track's displacement over 50 ms"),
-    ("Stated velocity's error, median (px/s)", "stated_velocity_error_median", "of the velocity that the tracker states"),
-    ("Latency (ms)", "latency_ms", "shift in time after which tracks fit their objects best"),
+class Metric(NamedTuple):
+    """A score: its name, its field in `Scores`, digits, 1 where more is better and -1 where less is, and its meaning."""
+
+    title: str
+    name: str
+    digits: int
+    better: int
+    meaning: str
+
+
+METRICS = (
+    Metric("HOTA", "hota", 3, 1, "found and kept, together"),
+    Metric("DetA", "deta", 3, 1, "objects found"),
+    Metric("AssA", "assa", 3, 1, "each kept as one track"),
+    Metric("LocA", "loca", 3, 1, "placed exactly"),
+    Metric("MOTA", "mota", 3, 1, "1 − misses, false outputs, switches"),
+    Metric("IDF1", "idf1", 3, 1, "outputs under the right identity"),
+    Metric("Switches", "idsw", 0, -1, "an object goes on under another track"),
+    Metric("Interruptions", "frag", 0, -1, "an object without a track for a while"),
+    Metric("Mostly tracked", "mt", 0, 1, "objects, for over 80 % of their time"),
+    Metric("Mostly lost", "ml", 0, -1, "objects, tracked for under 20 % of their time"),
+    Metric("Position error, median", "position_error_px_median", 2, -1, "px"),
+    Metric("Position error, 90 %", "position_error_px_p90", 2, -1, "px"),
+    Metric("Velocity error, median", "velocity_error_median", 1, -1, "px/s, of the displacement over 50 ms"),
+    Metric("Stated velocity's error, median", "stated_velocity_error_median", 1, -1, "px/s, of what the tracker states"),
+    Metric("Stated direction, median error", "stated_angle_error_deg_median", 1, -1, "degrees, against 300 ms of displacement"),
+    Metric("Stated direction wrong", "stated_angle_over_45_deg_fraction", 3, -1, "share over 45 degrees off the displacement"),
+    Metric("Stated velocity's relative error", "stated_relative_error_median", 3, -1, "median, against 300 ms of displacement"),
+    Metric("Latency", "latency_ms", 0, -1, "ms by which tracks lag behind their objects"),
 )
 
 
-def score_rows(scores: Sequence[Scores]) -> list[tuple[str, str, list[str]]]:
-    """Rows of (score, meaning, one figure per side)."""
-    digits = {"latency_ms": 0}
-    return [
-        (title, meaning, [figure(getattr(of, name), digits.get(name, 3)) for of in scores]) for title, name, meaning in _SCORES
-    ]
+class ScoreRow(NamedTuple):
+    """A metric, its values by side, as text, and which of them are best: none where all look the same."""
+
+    metric: Metric
+    values: list[float | None]
+    texts: list[str]
+    best: list[bool]
+
+
+def score_rows(scores: Sequence[Mapping[str, Any]]) -> list[ScoreRow]:
+    """Rows of the scores of some sides, as `Scores.to_dict` gives them."""
+    rows = []
+    for metric in METRICS:
+        values = [of[metric.name] for of in scores]
+        texts = [figure(value, metric.digits) for value in values]
+        known = [round(value, metric.digits) * metric.better for value in values if value is not None]
+        apart = len(set(texts)) > 1 and len(known) > 1
+        best = [apart and value is not None and round(value, metric.digits) * metric.better == max(known) for value in values]
+        if known:
+            rows.append(ScoreRow(metric, values, texts, best))
+    return rows
 
 
 def run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -174,43 +170,39 @@ def _text(value: Any) -> str:
     return str(value)
 
 
-@dataclass(frozen=True)
-class Bars:
-    """A histogram: label and height of each bar, and its quantiles as text."""
+class Bar(NamedTuple):
+    """A bar of a histogram: its range as text, its height, and the share of all up to its end."""
 
-    bars: list[tuple[str, int]]
-    most: int
-    words: str
+    text: str
+    records: int
+    running: float
 
 
-def latency_bars(summary: Mapping[str, Any], most_bars: int = 24) -> Bars | None:
-    """Clocks from an event's acceptance to its record, in at most `most_bars` bars; None if not measured.
-
-    Where there are more than that, the last bar has the slowest per cent: a few of them would make all others one bar.
-    """
-    latency = summary.get("latency_clocks")
-    if not latency or not latency["histogram"]:
-        return None
-    bars = [(str(clocks), int(count)) for clocks, count in latency["histogram"]]
-    if len(bars) > most_bars:
-        clocks, counts = np.array(latency["histogram"], np.int64).T
-        low, high = int(clocks[0]), max(int(latency["p99"]), int(clocks[0]))
-        step = -(-(high - low + 1) // (most_bars - 1))
-        slow = clocks > high
-        sums = np.bincount((clocks[~slow] - low) // step, weights=counts[~slow]).astype(np.int64).tolist()
-        ranges = [(low + i * step, min(low + (i + 1) * step - 1, high)) for i in range(len(sums))]
-        bars = [(str(a) if a == b else f"{a}–{b}", count) for (a, b), count in zip(ranges, sums, strict=True)]
-        if slow.any():
-            bars.append((f"{high + 1}–{clocks[-1]}", int(counts[slow].sum())))
-    words = f"median {latency['median']} clocks, 99 % within {latency['p99']}, at most {latency['max']}"
-    return Bars(bars, max(count for _, count in bars), words)
+def latency_bars(summary: Mapping[str, Any]) -> list[Bar]:
+    """Clocks from an event's acceptance to its record, in at most 16 bars."""
+    histogram = (summary.get("latency_clocks") or {}).get("histogram")
+    if not histogram:
+        return []
+    clocks, counts = np.array(histogram, np.int64).T
+    edges = (
+        clocks if len(clocks) <= _BARS else np.unique(np.geomspace(max(int(clocks[0]), 1), int(clocks[-1]), _BARS).astype(int))
+    )
+    edges[0] = clocks[0]
+    bar = np.searchsorted(edges, clocks, "right") - 1
+    sums = np.bincount(bar, weights=counts, minlength=len(edges)).astype(np.int64)
+    running = np.cumsum(sums) / sums.sum()
+    ends = np.append(edges[1:] - 1, clocks[-1])
+    if len(clocks) <= _BARS:
+        ends = edges
+    texts = [str(a) if a == b else f"{a}–{b}" for a, b in zip(edges.tolist(), ends.tolist(), strict=True)]
+    return [Bar(*row) for row in zip(texts, sums.tolist(), running.tolist(), strict=True)]
 
 
 def figure(value: float | int | None, digits: int = 2) -> str:
     """A number for a table."""
     if value is None:
         return _UNKNOWN
-    return f"{value:,}" if isinstance(value, int) else f"{value:,.{digits}f}"
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.{digits}f}".replace("-", "−")
 
 
 def percent(value: float | None) -> str:

@@ -7,39 +7,106 @@ The events are read a second time, in parts, beside the logs, while another thre
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from contextvars import copy_context
 from pathlib import Path
 from typing import Any
 
+import evcot
 from evcot.errors import TrackLogError
 from evcot.events import Recording
 from evcot.outputs import folder_written_aside
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import Kind
-from evcot.tracks.log_parts import runs_of
-from evcot.tracks.parquet import check_parquet
+from evcot.tracks.log_files import Extent, save_log
+from evcot.tracks.log_parts import in_step, runs_of
+from evcot.tracks.npz import NpzFile
+from evcot.tracks.parquet import LogFile, check_parquet
 from evcot.tracks.suffixes import PARQUET
-from evcot.tracks.writing import save_log
 
 from ..lockstep.cosim import near_px, stalls_from
 from ..lockstep.long import LongRun
 from ..lockstep.moments import Moment
 from ..lockstep.run_file import RUN_FILE, RunFile, Source, write_run_file
 from ..lockstep.summary import SUMMARY, summarise_long, write_summary
+from ..lockstep.verdict import verdict_by
 from ..memory import give_back
 from ..waves.window import Window, write_waves
 from . import REPORT
-from .overview import write_overview
-from .part_pages import LongLog, LongRecording, write_parts
+from .part_pages import LongLog, LongRecording, part_names, write_overview, write_parts
 
-__all__ = ["write_long_run"]
+__all__ = ["long_names", "write_long_logs", "write_long_run"]
 
+
+# Report of the logs of a recording that is not held in memory: an overview, and a folder with a page for each part.
+#
+# The recording is read twice: to see that the logs belong to it, and in parts beside the logs.
+
+
+def write_long_logs(
+    logs: Mapping[str, LogFile | NpzFile],
+    source: Source,
+    path: Path,
+    command: str,
+    *,
+    check: Callable[[Extent], None],
+    claim: Callable[[Path, Sequence[str]], None],
+    force: bool = False,
+    progress: Callable[[int], None] | None = None,
+) -> dict[str, Any]:
+    """Write `path`, and the pages of the parts into a folder of the same name that ends with .parts; returns the summary.
+
+    Args:
+        logs: by side.
+        check: called with the extent of the recording, to refuse logs of another one.
+        claim: called with the folder and its files before they are written.
+        progress: called with the number of events done.
+
+    Raises:
+        OutputError: a file exists (without `force`), or cannot be written.
+        RecordingError, TrackLogError: an input cannot be read.
+    """
+    with source.opened() as file:
+        extent, sensor, name = Extent.of(source.blocks(file)), file.sensor, file.name
+    check(extent)
+    folder = path.with_name(f"{path.stem}.parts")
+    claim(folder, [RUN_FILE, *part_names(extent.events)])
+    with folder_written_aside(folder, "report") as aside, source.opened() as file:
+        recording = LongRecording(name, sensor, source.blocks(file), extent.events, extent.first_us, extent.last_us)
+        paged = write_parts(recording, {side: _long(log) for side, log in logs.items()}, aside, {}, progress=progress)
+        (aside / RUN_FILE).write_text(f"# Pages that {path.name} shows.\n", encoding="utf-8")
+    summary = {
+        "name": name,
+        "command": command,
+        "versions": {"evcot": evcot.__version__},
+        "events": extent.events,
+        "recording_s": (extent.last_us - extent.first_us) / 1e6,
+        "sensor": {"width": sensor[0], "height": sensor[1]},
+        "verdict": verdict_by(paged.quality, {}).to_dict(),
+        "parts": [part | {"page": f"{folder.name}/{part['page']}"} for part in paged.parts],
+    }
+    write_overview(summary, path, force=force)
+    return summary
+
+
+def _long(log: LogFile | NpzFile) -> LongLog:
+    runs = log.blocks() if isinstance(log, LogFile) else in_step(log.record_runs(), log.owner_runs())
+    return LongLog(log.engine, runs)
+
+
+_NUMBERED = re.compile(r"part-[0-9]{5,}\.html|(hardware|software)\.[0-9]+\.parquet")
 _LISTED = 1_000  # pairs of tracks, and others
 _WAVES_EVENTS = 400  # around the first birth
 _RECORDS_BESIDE = 1 << 22  # longer logs are written before the pages, not beside them: Arrow needs memory, too
+
+
+def long_names(folder: Path) -> list[str]:
+    """Names of files in a folder that `write_long_run` may write besides `run_names`: their number depends on the run."""
+    return [name for name in os.listdir(folder) if _NUMBERED.fullmatch(name)] if folder.is_dir() else []
 
 
 def write_long_run(
@@ -113,7 +180,8 @@ def _write_waves(run: LongRun, folder: Path, head: Recording) -> None:
         if len(born):
             index = int(born["event_index"][0])
             if index + _WAVES_EVENTS < len(head.events):
-                moment = Moment(index, "birth 1", Kind.BORN, int(born["track_id"][0]))
+                track_id = int(born["track_id"][0])
+                moment = Moment(index, f"birth {track_id}", Kind.BORN, track_id)
                 window = Window.around(index, len(head.events), _WAVES_EVENTS)
                 write_waves(
                     head.events, run.config.device_config(*run.sensor), folder, window,

@@ -6,48 +6,62 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.tracks.log import TrackLog
 
-from .truth import Truth
+from ..lockstep.truth import Truth
 
-__all__ = ["PAIR", "Comparison", "Material", "Side"]
+__all__ = ["PAIR", "Comparison", "Difference", "Material", "Side"]
 
 PAIR = ("a", "b")  # names of the two runs' hardware in a comparison
 
 
 @dataclass(frozen=True)
 class Side:
-    """One engine: its name in the report (hardware, model, software, or one of its own) and its log."""
+    """One engine: its name in the report (hardware, model, software, or one of its own) and its log.
+
+    Attributes:
+        run: what `evcot waves` is given to show the waveform of its tracks; None where there is none.
+    """
 
     name: str
     log: TrackLog
+    run: str | None = None
 
-    @property
-    def is_hardware(self) -> bool:
-        """Whether it runs the hardware's algorithm: of that, N_ev and the inner radius have a meaning."""
-        return self.log.engine.startswith("cot")
+
+class Difference(NamedTuple):
+    """A figure of two runs: its name, both values and their difference as text, and which is better: a, b or neither."""
+
+    title: str
+    a: str
+    b: str
+    apart: str
+    best: str
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two runs side by side, for the section at the top of the page.
+    """Two runs side by side.
 
     Attributes:
         names: of the runs.
-        headlines: of their verdicts, with the word of their grade.
+        headline: which run is better, in a few words.
+        figures: of the hardware; those that are equal have no better one.
         settings: rows of (setting, value in A, value in B), only those that differ.
-        figures: rows of (what, value in A, value in B) for the hardware, then the software.
+        settings_count: number of settings.
+        commands: what made the runs.
         same: whether the two runs' hardware decided alike in everything.
     """
 
     names: tuple[str, str]
-    headlines: tuple[tuple[str, str], tuple[str, str]]
+    headline: str
+    figures: list[Difference]
     settings: list[tuple[str, str, str]]
-    figures: list[tuple[str, str, str]]
+    settings_count: int
+    commands: tuple[str, str]
     same: bool
 
 
@@ -61,6 +75,7 @@ class Material:
         sides: the engines, each under a name of its own: letters, digits, `_`.
         truth: the ground truth within the events' time, or None if unknown.
         comparison: what two runs are compared by, where the sides are those of two runs.
+        files: the files beside the page that belong to the run: name and size in bytes.
     """
 
     recording: Recording
@@ -68,6 +83,7 @@ class Material:
     sides: tuple[Side, ...]
     truth: Truth | None = None
     comparison: Comparison | None = None
+    files: tuple[tuple[str, int], ...] = ()
 
     def __post_init__(self) -> None:
         names = [side.name for side in self.sides]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compression of integer columns to one text for browsers: differences, byte planes, deflate, base64."""
+"""What makes a report small: columns of integers compressed to one text for browsers, and subsampling of long runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Column", "Packed", "pack"]
+from evcot.tracks.log import Kind
+
+__all__ = [
+    "EVENTS_MAX",
+    "LIVES_MAX",
+    "RECORDS_MAX",
+    "Column",
+    "Packed",
+    "longest_lives",
+    "pack",
+    "thinned_events",
+    "thinned_records",
+]
 
 
 @dataclass(frozen=True)
@@ -65,3 +77,37 @@ def _packed(column: Column) -> tuple[dict[str, Any], bytes]:
     deflate = zlib.compressobj(6, zlib.DEFLATED, 15, 9, strategy)
     entry = {"n": len(values), "planes": planes, "signed": signed, "delta": column.delta, "scale": column.scale}
     return entry, deflate.compress(content) + deflate.flush()
+
+
+EVENTS_MAX = 2_000_000
+LIVES_MAX = 4_000  # per side
+RECORDS_MAX = 200_000  # per side
+
+_SEED = 1
+
+
+def thinned_events(n: int, most: int) -> NDArray[np.int64]:
+    """At most `most` of the numbers 0 to n - 1, ascending: one random number from each of `most` equal intervals."""
+    if n <= most:
+        return np.arange(n)
+    edges = np.linspace(0, n, most + 1).astype(np.int64)
+    at = np.random.default_rng(_SEED).random(most)
+    return edges[:-1] + (at * np.diff(edges)).astype(np.int64)
+
+
+def longest_lives(lives: NDArray[np.void], most: int, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Select the `most` longest rows of dtype `timeline.LIFE`, of those that `among` has; (k,) bool."""
+    candidates = np.flatnonzero(among)
+    lengths_us = (lives["end_us"] - lives["birth_us"])[candidates]
+    keep = np.zeros(len(lives), np.bool_)
+    keep[candidates[np.argsort(-lengths_us, kind="stable")[:most]]] = True
+    return keep
+
+
+def thinned_records(kind: NDArray[np.uint8], most: int = RECORDS_MAX) -> NDArray[np.bool_]:
+    """Select records of a log: every birth and end, and an even selection of moves up to the limit."""
+    moved = kind == Kind.MOVED
+    room = max(most - int(np.count_nonzero(~moved)), 0)
+    keep: NDArray[np.bool_] = ~moved
+    keep[np.flatnonzero(moved)[thinned_events(int(moved.sum()), room)]] = True
+    return keep

@@ -6,8 +6,8 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import math
 import re
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -16,39 +16,34 @@ from typing import Any
 import numpy as np
 from jinja2 import Template
 
+from evcot.metrics.quality import Quality
 from evcot.outputs import written_aside
 from evcot.templating import templates
-from evcot.tracks.log import DROPPED, Kind
+from evcot.tracks.log import Kind
 
-from ..lockstep.verdict import Grade, Verdict, verdict_from, verdict_of
+from ..lockstep.verdict import ENOUGH_S, Verdict, verdict_by, verdict_of
 from .collect import Collected, collect
-from .facts import Differences, agreement_rows, differences, flat, latency_bars, run_rows, score_rows
+from .facts import checks_of, flat, headline, latency_bars, percent, run_rows, score_rows
 from .heat_maps import heat_maps
 from .material import Material
-from .pack import Packed, pack
-from .subsample import EVENTS_MAX, LIVES_MAX, RECORDS_MAX
+from .objects import TRUTH
+from .pack import EVENTS_MAX, LIVES_MAX, RECORDS_MAX, Packed, pack
 
-__all__ = ["MODULES", "inline_modules", "render", "write_report"]
+__all__ = ["MODULES", "SCREEN", "inline_modules", "inline_styles", "render", "write_report"]
 
+# What the pages of a run and of a live tracker share: the picture, the colours, and the window's panes.
+SCREEN = ("surface", "stage", "pointer", "theme", "panes", "keys")
 # In the order in which they need each other.
 MODULES = (
-    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "present", "recording", "steps", "axis", "lives",
-    "curves", "places", "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
+    "columns", *SCREEN, "clock", "tracks", "objects", "recording", "steps", "axis", "timeline", "list", "card", "agreement",
+    "main",
 )  # fmt: skip
 
-_TEXT_MAX = 9_000_000  # characters of packed columns
-_LISTED_MAX = 5_000  # of a list of places
-_WHEN_BINS = 160  # of a list's histogram over time
-_DECAY_US = 10_000  # of events, at first
+_TEXT_MAX = 3_700_000  # characters of packed columns
 _GOING = 0.15  # of the recording: after that there is something to see
 _PLAYING_S = 10  # that the whole recording takes at first, at least
 _SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
-# Of the curves, in pixels: known before they are drawn, so that nothing jumps.
-_HEIGHTS = {"rate": 44, "alive": 64, "size": 64, "nev": 64, "quiet": 64}
-_LANES_HEIGHT = 440  # of all lifetimes, at most, as long as a lane has its least
-_LANE = (3, 14)  # height of a lane: least, most
-_LANES_LEAST = 2  # of a side
-_LANES_GAP = 22  # below a side's lanes, where crowded merges are counted
+_PEAK_US = 10_000  # over which the highest event rate is measured
 _IMPORT = re.compile(r"^import\s[^;]*;\n", re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULTILINE)
 
@@ -68,49 +63,59 @@ def write_report(material: Material, path: Path, *, force: bool = False, events_
 def render(material: Material, events_max: int = EVENTS_MAX) -> str:
     """The page as text, with at most so many events."""
     collected, packed = _fitting(material, events_max)
-    found = differences(material)
-    scores = [(side.name, of) for side in material.sides if material.truth and (of := material.truth.scores(side.log))]
-    script = inline_modules(MODULES)
+    scored = _scored(material)
+    known = {**material.summary, "truth": scored} if scored else material.summary
+    verdict = _verdict(material, known)
+    decisive = "hardware" if "hardware" in verdict.figures else next(iter(verdict.figures), "")
+    engines = [side for side in collected.facts["sides"] if side["name"] != TRUTH]
+    tracked = any(side["ids"] for side in engines)
+    judged = tracked and not any(line.about == "length" for line in verdict.lines)
+    score_sides = [side for side in engines if scored and side["name"] in scored["scores"]]
+    context: dict[str, Any] = {
+        "title": material.summary.get("name", material.recording.name),
+        "material": material,
+        "summary": material.summary,
+        "comparison": material.comparison,
+        "duration_s": _duration_us(material) / 1e6,
+        "mismatch_us": _mismatch_us(material),
+        "speed": _default_speed(_duration_us(material)),
+        "sides": collected.facts["sides"],
+        "engines": engines,
+        "run": next((side.run for side in material.sides if side.run), None),
+        "looks": {side["name"]: side["look"] for side in engines},
+        "verdict": verdict,
+        "checks": [] if material.comparison else checks_of(verdict, decisive),
+        "headline": material.comparison.headline if material.comparison else headline(verdict, material.summary, tracked),
+        "judged": judged,
+        "tracked": tracked,
+        "notes": _notes(material, collected),
+        "shown": collected.shown,
+        "absorbed": {name: paths.absorbed for name, paths in collected.paths.items() if paths.absorbed},
+        "scored": scored,
+        "score_sides": score_sides,
+        "scores": score_rows([scored["scores"][side["name"]] for side in score_sides]) if scored else [],
+        "agreement": material.summary.get("agreement") if len(engines) > 1 else None,
+        "heats": heat_maps(material),
+        "run_rows": run_rows(material.summary),
+        "engine_rows": [(side.name, side.log.engine) for side in material.sides],
+        "peak_per_s": _peak_per_s(material),
+        "config_rows": flat(material.summary.get("config", {})),
+        "versions": material.summary.get("versions", {}),
+        "latency": latency_bars(material.summary),
+        "needs": _needs(material, tracked=tracked, scored=scored is not None),
+        "marks": {"good": "✓", "fair": "!", "poor": "✗"},
+    }
     facts = collected.facts | {
         "columns": packed.directory,
         "start": _start_us(material),
         "mismatch": _mismatch_us(material),
-        "lists": _lists(material, found),
+        "merged": [[pair["hardware_id"], pair["software_id"]] for pair in (context["agreement"] or {}).get("merges", [])],
     }
-    verdict = _verdict(material) if material.comparison is None else Verdict(Grade.GOOD, "", ())
+    script = inline_modules(MODULES)
     return _template().render(
-        title=material.summary.get("name", material.recording.name),
-        material=material,
-        summary=material.summary,
-        begin_us=material.span_us[0],
-        duration_s=_duration_us(material) / 1e6,
-        mismatch_us=_mismatch_us(material),
-        speed=_default_speed(_duration_us(material)),
-        decay=round(math.log10(_DECAY_US), 2),
-        trail=round(math.log10(min(max(0.1 * _duration_us(material), 1e3), 1e6)), 2),
-        heights=_HEIGHTS | {"lives": _lives_height(collected)},
-        hints={"difference": f"next place where {material.pair[0]} and {material.pair[1]}, or hardware and model, differ"},
-        sides=collected.facts["sides"],
-        paths=collected.paths,
-        notes=_notes(material, collected),
-        agreement=agreement_rows(material.summary),
-        differences=found,
-        verdict=verdict,
-        decisive="hardware" if "hardware" in verdict.figures else next(iter(verdict.figures), ""),
-        marks={"good": "✓", "fair": "!", "poor": "✗"},
-        compared=found is not None or "mismatch" in material.summary,
-        has_hardware=any(side.is_hardware for side in material.sides),
-        rings=any(side["ring"] for side in collected.facts["sides"]),
-        arrows=any(side["moving"] for side in collected.facts["sides"]),
-        score_sides=[name for name, _ in scores],
-        scores=score_rows([of for _, of in scores]),
-        heats=heat_maps(material),
-        run_rows=run_rows(material.summary),
-        config_rows=flat(material.summary.get("config", {})),
-        versions=material.summary.get("versions", {}),
-        latency=latency_bars(material.summary),
-        filtered=any((side.log.owner == DROPPED).any() for side in material.sides),
-        style=_source("style.css"),
+        **context,
+        tabs=_tabs(material, context),
+        style=inline_styles("style", "screen"),
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
@@ -122,39 +127,74 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
 def _template() -> Template:
     """The page's template, compiled once: a long run has a page for each part."""
     environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"ms": _ms}
+    environment.filters |= {"percent": percent}
     return environment.get_template("report.html.j2")
 
 
-def _verdict(material: Material) -> Verdict:
-    """What the run has in its summary; of logs alone it is made here."""
+def _tabs(material: Material, context: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The tabs that have content, as (name, title), the most urgent first."""
+    mismatch, two_runs = "mismatch" in material.summary, material.comparison is not None
+    tabs = (
+        ("mismatch", "Mismatch", mismatch),
+        ("missing", "What is missing", not context["judged"] and not mismatch and not two_runs),
+        ("differences", "Differences", two_runs),
+        ("objects", "Objects", any(side["ids"] for side in context["sides"])),
+        ("scores", "Scores", bool(context["scores"])),
+        ("agreement", "Agreement", context["agreement"] is not None and context["judged"]),
+        ("timing", "Timing", "cycles_per_event" in material.summary),
+        ("heat", "Heat maps", True),
+        ("run", "Runs" if two_runs else "Run", True),
+    )
+    return [(name, title) for name, title, there in tabs if there]
+
+
+def _scored(material: Material) -> dict[str, Any] | None:
+    """Scores of all sides: those that the summary has, or made here."""
+    stored: dict[str, Any] | None = material.summary.get("truth")
+    if stored and set(stored["scores"]) == {side.name for side in material.sides}:
+        return stored
+    if material.truth is None or "mismatch" in material.summary:
+        return None
+    return material.truth.figures({side.name: side.log for side in material.sides})
+
+
+def _verdict(material: Material, known: Mapping[str, Any]) -> Verdict:
+    """The verdict of the figures that the summary has; of logs alone they are made here."""
     stored = material.summary.get("verdict")
     if stored is not None and set(stored["figures"]) == {side.name for side in material.sides}:
-        return verdict_from(stored)
-    return verdict_of(material.recording, {side.name: side.log for side in material.sides}, material.summary)
+        return verdict_by({side: Quality(**values) for side, values in stored["figures"].items()}, known)
+    known = {"recording_s": _duration_us(material) / 1e6, **known}
+    return verdict_of(material.recording, {side.name: side.log for side in material.sides}, known)
 
 
-def _lists(material: Material, found: Differences | None) -> dict[str, Any]:
-    """The lists of places by name: rows of [time, side, track, more], and how many there are in each part of the time."""
-    if found is None:
-        return {}
-    lists = {"merges": found.merges, "lives": found.lives, "joint": found.joint_merges}
-    edges_us = np.linspace(0, max(_duration_us(material), 1), _WHEN_BINS + 1)
-    return {
-        name: {
-            "rows": [[place.at_us, place.side, place.track, place.text] for place in places[:_LISTED_MAX]],
-            "when": {
-                side: np.histogram([place.at_us for place in places if place.side == side], edges_us)[0].tolist()
-                for side in sorted({place.side for place in places})
-            },
-        }
-        for name, places in lists.items()
-    }
+def _needs(material: Material, *, tracked: bool, scored: bool) -> list[tuple[bool, str, str]]:
+    """What a judgement of tracks needs: whether it is there, the need, and what the run has."""
+    length_ms, enough_ms = _duration_us(material) / 1e3, ENOUGH_S * 1e3
+    return [
+        (len(material.events) > 0, "Events", f"{len(material.events):,}"),
+        (length_ms >= enough_ms, f"A recording of {enough_ms:g} ms at least, with moving objects", f"{length_ms:,.3g} ms"),
+        (tracked, "A track that became visible", "yes" if tracked else "none"),
+        (scored, "A truth, for scores", "yes" if scored else "none"),
+    ]
+
+
+def _peak_per_s(material: Material) -> float:
+    """The highest event rate over 10 ms."""
+    t_us = material.events.t_us
+    if not len(t_us):
+        return 0.0
+    edges_us = np.arange(t_us[0], t_us[-1] + _PEAK_US + 1, _PEAK_US)
+    return float(np.diff(np.searchsorted(t_us, edges_us)).max(initial=0) * (1e6 / _PEAK_US))
 
 
 def inline_modules(names: tuple[str, ...], package: str = "evcot_cosim.report") -> str:
     """Concatenate modules in one scope, without their imports and exports, in order of their dependencies."""
     return "\n".join(_EXPORT.sub("", _IMPORT.sub("", _source(f"{name}.js", package))) for name in names)
+
+
+def inline_styles(*names: str) -> str:
+    """The report's style sheets: `style` for documents, with `screen` for pages that fill the window."""
+    return "\n".join(_source(f"{name}.css") for name in names)
 
 
 def _source(name: str, package: str = "evcot_cosim.report") -> str:
@@ -181,7 +221,7 @@ def _notes(material: Material, collected: Collected) -> list[str]:
         )
     for name, paths in collected.paths.items():
         if len(paths.lives) < paths.all_lives:
-            notes.append(f"Of {paths.all_lives:,} {name} lifetimes the {LIVES_MAX:,} longest are drawn.")
+            notes.append(f"Of {paths.all_lives:,} {name} tracks the {LIVES_MAX:,} longest are drawn.")
         elif len(paths.points) < paths.all_points:
             notes.append(f"Of {paths.all_points:,} {name} positions {RECORDS_MAX:,} are drawn, evenly chosen.")
     decided, all_events = len(material.events), len(material.recording.events)
@@ -201,7 +241,7 @@ def _start_us(material: Material) -> int:
             if len(times_us):
                 later = int(np.searchsorted(times_us, _GOING * _duration_us(material)))
                 return int(times_us[min(later, len(times_us) - 1)])
-    return 0
+    return _duration_us(material) // 2
 
 
 def _mismatch_us(material: Material) -> int | None:
@@ -212,13 +252,6 @@ def _mismatch_us(material: Material) -> int | None:
     return int(t_us[min(max(found["event_index"], 0), len(t_us) - 1)]) - material.span_us[0]
 
 
-def _lives_height(collected: Collected) -> int:
-    """Height of the lifetimes panel: all lanes, and a gap between the sides."""
-    lanes = sum(max(int(paths.lanes.max(initial=-1)) + 1, _LANES_LEAST) for paths in collected.paths.values())
-    lane = min(max(_LANES_HEIGHT // max(lanes, 1), _LANE[0]), _LANE[1])
-    return max(lanes, _LANES_LEAST) * lane + _LANES_GAP * len(collected.paths)
-
-
 def _duration_us(material: Material) -> int:
     return material.span_us[1] - material.span_us[0]
 
@@ -226,7 +259,3 @@ def _duration_us(material: Material) -> int:
 def _default_speed(duration_us: int) -> float:
     """The fastest speed at which the whole playback still takes long enough to follow."""
     return max((speed for speed in _SPEEDS if duration_us / 1e6 / speed >= _PLAYING_S), default=_SPEEDS[0])
-
-
-def _ms(at_us: int) -> str:
-    return f"{at_us / 1e3:,.3f} ms"

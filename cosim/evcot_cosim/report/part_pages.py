@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of a recording of any length: one page for each part, and its figures for an overview. Memory holds two parts."""
+"""Pages of a recording of any length: one for each part, and an overview of all. Memory holds two parts."""
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import json
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import copy_context
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -16,19 +20,23 @@ from numpy.typing import NDArray
 from evcot.compiling import compiled_aside
 from evcot.events import Events, Recording
 from evcot.metrics.quality import Quality, QualityCounter, isolation, quality_of
+from evcot.outputs import written_aside
 from evcot.recordings.formats.source import Sensor
+from evcot.templating import templates
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.log_parts import LogParts
 from evcot.tracks.timeline import alive
 
-from ..lockstep.verdict import verdict_by
+from ..lockstep.verdict import verdict_by, verdict_from
 from ..memory import give_back, keep_little
-from .collect import collect
+from .collect import collect, looks_of
+from .facts import agreement_rows, flat, latency_bars, run_rows
 from .material import Material, Side
-from .page import write_report
+from .page import inline_styles, write_report
 
-__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "part_names", "write_parts"]
+__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "part_names", "write_overview", "write_parts"]
+
 
 PART_EVENTS = 1 << 18
 _DRAWN = 40_000  # events of a part's page
@@ -192,3 +200,46 @@ def _cut(blocks: Iterator[Events], size: int) -> Iterator[Events]:
             waiting, have = [joined[size:]], have - size
     if have:
         yield Events.joined(waiting).packed()
+
+
+_MODULE = "overview.js"
+_ALIVE = "alive_"  # what the fields of a part that are there once for each side begin with
+
+
+def write_overview(summary: Mapping[str, Any], path: Path, *, force: bool = False) -> None:
+    """Write the page; the pages of the parts that `summary` lists are beside it, or in a folder that they name.
+
+    Raises:
+        OutputError: the file exists (without `force`), or cannot be written.
+    """
+    folder = files("evcot_cosim.report") / "templates"
+    script = (folder / _MODULE).read_text(encoding="utf-8")
+    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    verdict = verdict_from(summary["verdict"])
+    names = [name.removeprefix(_ALIVE) for name in summary["parts"][0] if name.startswith(_ALIVE)]
+    looks = looks_of(names)
+    sides = [{"name": name, "look": looks[name]} for name in names]
+    text = environment.get_template("overview.html.j2").render(
+        title=summary["name"],
+        summary=summary,
+        verdict=verdict,
+        sides=sides,
+        folder=summary["parts"][0]["page"].rpartition("/")[0],
+        marks={"good": "✓", "fair": "!", "poor": "✗"},
+        agreement=agreement_rows(summary),
+        engine_rows=(),  # of long runs the pages of parts have them
+        run_rows=run_rows(summary),
+        config_rows=flat(summary.get("config", {})),
+        versions=summary["versions"],
+        latency=latency_bars(summary),
+        comparison=None,
+        run=None,
+        style=inline_styles("style"),
+        script=script,
+        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+        facts=json.dumps({"parts": summary["parts"], "sides": sides}, separators=(",", ":"), allow_nan=False).replace(
+            "<", "\\u003c"
+        ),
+    )
+    with written_aside(path, force=force) as file:
+        file.write(text.encode())

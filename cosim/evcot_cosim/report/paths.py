@@ -12,13 +12,13 @@ from evcot.metrics import GroundTruth
 from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.timeline import LIFE, OPEN, by_life, lifetimes
 
-from .pack import Column
-from .subsample import LIVES_MAX, RECORDS_MAX, longest_lives, thinned_events, thinned_records
+from .pack import LIVES_MAX, RECORDS_MAX, Column, longest_lives, thinned_events, thinned_records
 
-__all__ = ["POINT", "Paths", "log_paths", "truth_paths"]
+__all__ = ["POINT", "Paths", "lasting", "log_paths", "truth_paths"]
 
 SUBPIXELS = 16  # places and sizes are kept to a sixteenth of a pixel
 _ANGLE_STEPS = 1_000  # to a rad
+_ABSORBED_US = 8_000  # a track that merges sooner after its birth is counted, but neither listed nor drawn
 
 POINT = np.dtype(
     [
@@ -28,9 +28,6 @@ POINT = np.dtype(
         ("half_width", "<f8"),
         ("half_height", "<f8"),
         ("angle", "<f8"),
-        ("vx", "<f8"),
-        ("vy", "<f8"),
-        ("n_ev", "<i8"),
     ]
 )
 
@@ -41,54 +38,47 @@ class Paths:
 
     Attributes:
         lives: (k,) of dtype `timeline.LIFE`, in order of birth.
-        lanes: (k,) lane in which to draw each; lives in one lane do not overlap. The hardware's lanes are its slots.
         names: name of each life.
         counts: (k,) number of points of each life.
         points: of dtype `POINT`, sorted by life, then by time.
+        moving: whether a position between two points is between their places; else a place holds until the next point.
+        absorbed: number of tracks left out because they merged in the moment of their birth.
         all_lives, all_points: numbers before short lives and some moves were left out.
     """
 
     lives: NDArray[np.void]
-    lanes: NDArray[np.int64]
     names: tuple[str, ...]
     counts: NDArray[np.int64]
     points: NDArray[np.void]
+    moving: bool
+    absorbed: int
     all_lives: int
     all_points: int
-
-    @property
-    def moving(self) -> bool:
-        """Whether any point has a velocity, in pixels per second; 0 stands for unknown."""
-        return bool(self.points["vx"].any() or self.points["vy"].any())
 
     def columns(self, name: str, origin_us: int) -> dict[str, Column]:
         """Columns to pack, with names prefixed by `name`; times relative to `origin_us`."""
         lives, points = self.lives, self.points
         columns = {
             "slot": Column(lives["slot"]),
-            "lane": Column(self.lanes),
             "birth": Column(lives["birth_us"] - origin_us, delta=True),
             "end": Column(lives["end_us"] - origin_us, delta=True),
             "ended": Column(lives["ended"]),
             "other": Column(_survivors(lives)),
             "count": Column(self.counts),
             "t": Column(points["t_us"] - origin_us, delta=True),
-            "n_ev": Column(points["n_ev"], delta=True),
         }
         for field in ("x", "y", "half_width", "half_height"):
             columns[field] = Column(np.rint(points[field] * SUBPIXELS).astype(np.int64), delta=True, scale=1 / SUBPIXELS)
         angle = np.rint(points["angle"] * _ANGLE_STEPS).astype(np.int64)
         columns["angle"] = Column(angle, delta=True, scale=1 / _ANGLE_STEPS)
-        if self.moving:
-            for field in ("vx", "vy"):
-                columns[field] = Column(np.rint(points[field]).astype(np.int64), delta=True)
         return {f"{name}.{field}": column for field, column in columns.items()}
 
 
 def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_max: int = RECORDS_MAX) -> Paths:
     """A log's tracks; those still alive end at `end_us`."""
     everyone = lifetimes(log, end_us)
-    kept = longest_lives(everyone, lives_max)
+    shown = lasting(everyone)
+    kept = longest_lives(everyone, lives_max, shown)
     lives = everyone[kept]
     order, first = by_life(log)
     life = np.empty(len(log.records), np.int64)  # of each record, -1 of one that is left out
@@ -99,17 +89,25 @@ def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_ma
     drawn = drawn[thinned_records(kind[drawn], records_max)]
     records = log.records[drawn[np.argsort(life[drawn], kind="stable")]]
     points = np.empty(len(records), POINT)
-    for field in ("t_us", "x", "y", "n_ev", "angle", "vx", "vy"):
+    for field in ("t_us", "x", "y", "angle"):
         points[field] = records[field]
     points["half_width"], points["half_height"] = records["width"] / 2, records["height"] / 2
     names = tuple(str(track_id) for track_id in lives["track_id"].tolist())
-    lanes = _used(lives["slot"]) if log.engine.startswith("cot") else _lanes(lives)
-    return Paths(lives, lanes, names, np.bincount(life[drawn], minlength=len(lives)), points, len(everyone), len(log.records))
+    counts = np.bincount(life[drawn], minlength=len(lives))
+    absorbed = int(np.count_nonzero(~shown))
+    all_points = int(np.diff(first, append=len(order))[shown].sum())
+    return Paths(lives, names, counts, points, False, absorbed, len(everyone) - absorbed, all_points)
+
+
+def lasting(lives: NDArray[np.void]) -> NDArray[np.bool_]:
+    """Which rows of dtype `LIFE` did not merge in the moment of their birth, (k,) bool."""
+    return np.asarray((lives["ended"] != Kind.MERGED) | (lives["end_us"] - lives["birth_us"] >= _ABSORBED_US), np.bool_)
 
 
 def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
-    """True objects; one that is absent for an instant or more starts a new life."""
-    objects = truth.objects[np.argsort(truth.objects["object"], kind="stable")]  # within an object by time
+    """True objects where they count; one that is absent for an instant or more starts a new life."""
+    counted = truth.objects[truth.objects["counted"]]
+    objects = counted[np.argsort(counted["object"], kind="stable")]  # within an object by time
     begins = np.diff(objects["object"], prepend=-1) != 0
     begins |= np.diff(objects["frame"], prepend=-2) != 1
     life = np.cumsum(begins) - 1
@@ -137,7 +135,7 @@ def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
     kept = lives[in_time]
     names = tuple(truth.ids[i] for i in objects["object"][first][in_time].tolist())
     counts = np.bincount(rows[chosen], minlength=len(kept))
-    return Paths(kept, _lanes(kept), names, counts, points, len(first), len(objects))
+    return Paths(kept, names, counts, points, True, 0, len(first), len(objects))
 
 
 def _survivors(lives: NDArray[np.void]) -> NDArray[np.int64]:
@@ -150,19 +148,3 @@ def _survivors(lives: NDArray[np.void]) -> NDArray[np.int64]:
     for i, (other, end_us) in enumerate(zip(lives["other_id"].tolist(), lives["end_us"].tolist(), strict=True)):
         found[i] = max((row for row in rows.get(other, ()) if births_us[row] <= end_us), default=-1)
     return found
-
-
-def _used(slots: NDArray[np.int16]) -> NDArray[np.int64]:
-    """Slots numbered by rank among those in use."""
-    return np.asarray(np.unique(slots, return_inverse=True)[1], np.int64)
-
-
-def _lanes(lives: NDArray[np.void]) -> NDArray[np.int64]:
-    """The lowest lane that is free during each life; lives in order of birth."""
-    free_at: list[int] = []
-    lanes = np.empty(len(lives), np.int64)
-    for i, (birth_us, end_us) in enumerate(zip(lives["birth_us"].tolist(), lives["end_us"].tolist(), strict=True)):
-        lane = next((lane for lane, until_us in enumerate(free_at) if until_us < birth_us), len(free_at))
-        free_at[lane : lane + 1] = [end_us]
-        lanes[i] = lane
-    return lanes

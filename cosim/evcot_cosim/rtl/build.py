@@ -25,7 +25,7 @@ from typing import BinaryIO
 
 from pyverilator import PyVerilator
 
-from evcot.errors import ToolchainError
+from evcot.errors import ToolchainError, reason_of
 
 from .files import rtl_files, verilog_dir
 from .toolchain import Toolchain, find_toolchain, make_variables
@@ -162,7 +162,8 @@ def build(
                         on_miss()
                     _build_to(shared_object, root, recipe)
     except OSError as error:
-        raise ToolchainError(f"{error.filename or root}: cannot keep the built model: {error.strerror or error}") from error
+        place = error.filename or root
+        raise ToolchainError(f"{place}: cannot keep the built model: {reason_of(error, place)}") from error
     return BuiltModel(top, parameters, shared_object, key, cached, time.perf_counter() - started)
 
 

@@ -16,11 +16,10 @@ from evcot.ranges import span
 
 from .fields import check_field, limits
 
-__all__ = ["GRID_MAX", "METHODS", "SAMPLES_MAX", "Axis", "Point", "axis_from", "grid", "latin", "uniform"]
+__all__ = ["METHODS", "RUNS_MAX", "Axis", "Point", "axis_from", "grid", "latin", "uniform"]
 
 METHODS = ("grid", "random", "latin", "optuna")
-GRID_MAX = 10_000_000
-SAMPLES_MAX = 1_000_000
+RUNS_MAX = 200_000  # of a sweep: all are planned in memory, 1.6 kB each
 STEPS_MAX = 100_000  # of a range: its values are held in memory
 _DIGITS = 9  # of a sampled number: one that a person can copy
 _KEYS = {"from", "to", "steps", "log"}
@@ -131,12 +130,12 @@ def grid(axes: Sequence[Axis]) -> Iterator[Point]:
     """Every combination, the last axis fastest.
 
     Raises:
-        ConfigError: more than `GRID_MAX`, or a range without steps.
+        ConfigError: more than `RUNS_MAX`, or a range without steps.
     """
     values = [axis.grid() for axis in axes]
     count = math.prod(len(own) for own in values)
-    if count > GRID_MAX:
-        raise ConfigError(f"method = 'grid': {count:,} points: must be at most {GRID_MAX:,}")
+    if count > RUNS_MAX:
+        raise ConfigError(f"method = 'grid': {count:,} points: must be at most {RUNS_MAX:,}")
     return (dict(zip((axis.name for axis in axes), point, strict=True)) for point in itertools.product(*values))
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import time
@@ -55,7 +56,11 @@ class Cluster:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._client.close(timeout=2)
+        self._close()
+
+    def _close(self) -> None:
+        with contextlib.suppress(TimeoutError):  # a scheduler that has gone may not say goodbye in time
+            self._client.close(timeout=2)
 
     def check(self, paths: Sequence[str]) -> Mapping[str, Machine]:
         """Compare every worker with this process: versions, program, and the contents of these paths.
@@ -114,7 +119,7 @@ class Cluster:
                 continue
             waiting = itertools.chain(list(open_tasks.values()), waiting)
             open_tasks = {}
-            self._client.close(timeout=2)
+            self._close()
             self._client = self._connected(_RECONNECT_S)
 
     def _hand_out(self, waiting: Iterator[Any], open_tasks: dict[str, Any], completed: Any) -> None:

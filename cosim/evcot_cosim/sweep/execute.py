@@ -10,7 +10,7 @@ import time
 import traceback
 import warnings
 from datetime import UTC, datetime
-from functools import partial
+from functools import cache, partial
 from threading import Lock
 from typing import Any, NamedTuple, cast
 
@@ -27,21 +27,60 @@ from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import TrackLog
 
 from ..devices.device import build_device
+from ..fpga.devices import DEVICES
+from ..fpga.figures import Figure, load
 from ..lockstep.cosim import stalls_from
 from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
 from ..lockstep.random_runs import random_config, random_motion, random_motion_run, random_run
 from ..rtl.build import BuiltModel
-from ..rtl.fingerprint import versions
+from ..rtl.files import verilog_dir, versions
 from .checkpoints import CheckpointedLog
-from .configure import configuration
-from .cost import hardware_cost
 from .fields import RTL
 from .inputs import Stream, opened, truth_of
-from .machine import code_fingerprint
-from .task import FUZZ, Task, canonical
+from .machine import code_of
+from .task import FUZZ, Task, canonical, configuration
 
-__all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
+__all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "hardware_cost", "row_of", "tracked"]
+
+
+_FAMILY = DEVICES["ecp5-25"].synthesis
+
+
+@cache
+def _figures(module: str) -> tuple[Figure, ...]:
+    """The figures of a module on an ECP5 by number of slots, each on the smallest that it was routed for if there is one.
+
+    Empty in an installation without the repository's figures.
+    """
+    by_size: dict[int, Figure] = {}
+    for row in load(verilog_dir().parent / "fpga" / "figures.json").values():
+        if row.module == module and row.device in DEVICES and DEVICES[row.device].synthesis == _FAMILY:
+            known = by_size.get(row.n or 1)
+            if known is None or not known.fmax_mhz:
+                by_size[row.n or 1] = row
+    return tuple(by_size[size] for size in sorted(by_size))
+
+
+def hardware_cost(module: str, slots: int) -> dict[str, float]:
+    """LUTs, flip-flops, block RAMs and median Fmax of a module in its default widths, without filters.
+
+    Interpolated between two measured numbers of slots; beyond them unknown.
+    """
+    rows = _figures(module)
+    sizes = [row.n or 1 for row in rows]
+    if not sizes or not sizes[0] <= slots <= sizes[-1]:
+        return {}
+    cost = {
+        "luts": float(np.interp(slots, sizes, [row.luts for row in rows])),
+        "ffs": float(np.interp(slots, sizes, [row.ffs for row in rows])),
+        "block_rams": float(np.interp(slots, sizes, [row.block_rams for row in rows])),
+    }
+    routed = [(row.n or 1, row.median_mhz) for row in rows if row.median_mhz]
+    if routed and routed[0][0] <= slots <= routed[-1][0]:
+        cost["fmax_mhz"] = float(np.interp(slots, [n for n, _ in routed], [mhz for _, mhz in routed]))
+    return cost
+
 
 DONE, FAILED, INVALID, MISMATCH = "done", "failed", "invalid", "mismatch"
 _ONE_AT_A_TIME = Lock()  # warnings are caught per process, and inputs are kept
@@ -68,8 +107,11 @@ def execute(task: Task) -> dict[str, Any]:
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always", RecordingWarning)
             try:
-                if task.code != code_fingerprint():
-                    row |= {"status": FAILED, "error": f"the program is {code_fingerprint()}: must be {task.code}, the sweep's"}
+                if task.code != (code := code_of(task.engine)):
+                    row |= {
+                        "status": FAILED,
+                        "error": f"the program is {code}: must be {task.code}, the sweep's",
+                    }
                 else:
                     row |= {"status": DONE, **(_fuzzed(task) if task.engine == FUZZ else _measured(task))}
             except MismatchError as error:
@@ -130,7 +172,8 @@ def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
             for block in kept.rest(stream.blocks):
                 records, owner = tracker.feed(block)
                 kept.add(records, owner, block)
-                kept.keep(lambda: tracker)
+                if not ENGINES[task.engine].plug_in:  # whose state cannot be read back safely
+                    kept.keep(lambda: tracker)
             log = kept.log(task.engine, tracker.finish())
             measured = hardware_cost(task.engine, settings.hardware.shape.n_slots) if task.engine in MODULES else {}
         return Tracked(log, kept.counts(log), {**measured, **kept.spent}, kept.events)

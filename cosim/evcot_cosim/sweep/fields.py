@@ -17,9 +17,20 @@ from evcot.hardware.contract import REGISTERS, SHAPE_RANGES, Shape
 from evcot.hardware.modules import MODULES
 from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.ranges import Range
-from evcot.trackers.engines import ENGINES
+from evcot.trackers.engines import ENGINES, usable_engines
 
-__all__ = ["HARDWARE", "PRESET", "RTL", "check_field", "concerns", "limits", "nested", "numeric_fields", "with_fields"]
+__all__ = [
+    "HARDWARE",
+    "PRESET",
+    "RTL",
+    "check_engine",
+    "check_field",
+    "concerns",
+    "limits",
+    "nested",
+    "numeric_fields",
+    "with_fields",
+]
 
 RTL = "rtl"  # beside the names of `ENGINES`: the compiled hardware, in lock-step with the golden model
 PRESET, HARDWARE = "preset", "hardware"
@@ -39,7 +50,7 @@ def _tables() -> Mapping[str, frozenset[str]]:
         "slot": registers,
         "motion": frozenset(field.name for field in fields(MotionRegisters)) | {"tick_us"},
         "filters": frozenset(field.name for field in fields(FilterConfig)),
-        **{name: frozenset(asdict(_default(name))) for name in ENGINES if name not in MODULES},
+        **{name: frozenset(asdict(_default(name))) for name in usable_engines() if name not in MODULES},
     }
 
 
@@ -47,13 +58,27 @@ def _default(engine: str) -> Any:
     return next(iter(ENGINES[engine].presets.values()))
 
 
+def check_engine(name: str) -> None:
+    """Raise ConfigError for a name that is neither of `ENGINES` nor `RTL`, EngineError for an engine that cannot be used."""
+    if name not in (*ENGINES, RTL):
+        raise ConfigError(f"engines: {name!r}: must be one of {', '.join((*ENGINES, RTL))}")
+    if name != RTL:
+        _default(name)
+
+
 def check_field(name: str, where: str = "fields.") -> None:
-    """Raise ConfigError for a name that no configuration has; `where` prefixes it."""
+    """Raise ConfigError for a name that no configuration has, EngineError for one of an engine that cannot be used.
+
+    Args:
+        where: prefixes the name.
+    """
     if name in (PRESET, HARDWARE):
         return
     tables = _tables()
     parts = _FIELD.fullmatch(name)
     table = _SLOT.sub("slot", parts[1]) if parts else ""
+    if table in ENGINES and table not in {*tables, *MODULES}:
+        _default(table)  # says why the engine cannot be used
     if parts is None or table not in tables or (table == "slot") != (parts[1] != table):
         shown = ", ".join([*sorted(tables.keys() - {"slot"}), "slot[I]"])
         raise ConfigError(f"{where}{name}: no such field: must be preset, hardware, or TABLE.FIELD with a table among {shown}")

@@ -15,9 +15,8 @@ import numpy as np
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.metrics import GroundTruth, Rule, load_rule, read_truth, rule_for
-from evcot.metrics.beside import TRUTH_SUFFIXES
-from evcot.metrics.of_scene import ground_truth_of
 from evcot.metrics.rule import RULES
+from evcot.metrics.truth import TRUTH_SUFFIXES, ground_truth_of
 from evcot.recordings.files import open_recording
 from evcot.recordings.formats.source import Sensor
 from evcot.scenes import Scene

@@ -12,25 +12,39 @@ from pathlib import Path
 from typing import Any
 
 from evcot.errors import ConfigError
+from evcot.trackers.engines import ENGINES
 
-from ..rtl import fingerprint
-from ..rtl.fingerprint import design_fingerprint, versions
+from ..rtl import files
+from ..rtl.files import design_fingerprint, versions
 from .places import local
 
-__all__ = ["Machine", "check_same", "code_fingerprint", "content_of", "probe"]
+__all__ = ["Machine", "check_same", "code_fingerprint", "code_of", "content_of", "probe"]
 
 Machine = Mapping[str, Any]
 """What `probe` says of a worker: host, versions, code, and contents: path -> digest, empty where it cannot be read."""
 
 # Modules of this folder by which a result could change.
-_MODULES = ("checkpoints", "configure", "cost", "execute", "fields", "inputs", "places", "task")
+_MODULES = ("checkpoints", "execute", "fields", "inputs", "places", "task")
 _BLOCK = 1 << 22
 
 
 @cache
 def code_fingerprint() -> str:
-    """A digest of all of evcot's sources that a run's result depends on, see `fingerprint.code_fingerprint`."""
-    return fingerprint.code_fingerprint(tuple(Path(__file__).with_name(f"{name}.py") for name in _MODULES))
+    """A digest of all of evcot's sources that a run's result depends on, see `rtl.files.code_fingerprint`."""
+    return files.code_fingerprint(tuple(Path(__file__).with_name(f"{name}.py") for name in _MODULES))
+
+
+@cache
+def code_of(engine: str) -> str:
+    """As `code_fingerprint`; of an engine of another package with the package's sources."""
+    sources = ENGINES[engine].sources if engine in ENGINES else []
+    if not sources:
+        return code_fingerprint()
+    summary = blake2b(code_fingerprint().encode(), digest_size=8)
+    for path in sources:
+        summary.update(path.name.encode())
+        summary.update(path.read_bytes())
+    return summary.hexdigest()
 
 
 def content_of(path: Path | str) -> str:

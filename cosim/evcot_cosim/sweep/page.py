@@ -16,7 +16,7 @@ import numpy as np
 from evcot.templating import templates
 
 from ..report.pack import Column, pack
-from ..report.page import inline_modules
+from ..report.page import inline_modules, inline_styles
 from .execute import DONE, MISMATCH
 from .fields import RTL
 from .folder import SPEC
@@ -26,7 +26,7 @@ from .task import FUZZ, Task, canonical
 
 __all__ = ["render"]
 
-_SHARED = ("unpack", "theme")  # of the report of a run
+_SHARED = ("columns", "theme")  # of the report of a run
 _MODULES = ("shades", "lines", "parallel", "scatter", "sweep")  # in the order in which they need each other
 _STEPS = 65_534  # of a range, in two bytes
 _LINES_MAX = 200_000
@@ -81,16 +81,12 @@ def render(spec: Spec, rows: Sequence[Mapping[str, Any]], groups: Sequence[Group
         faults=faults[:_FAULTS_MAX],
         more_faults=max(0, len(faults) - _FAULTS_MAX),
         specification=f"# {SPEC}\n{spec_toml(spec)}",
-        style=_source("evcot_cosim.report", "style.css") + _source("evcot_cosim.sweep", "sweep.css"),
+        style=inline_styles("style") + (files("evcot_cosim.sweep") / "templates" / "sweep.css").read_text(encoding="utf-8"),
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         packed=packed.text,
     )
-
-
-def _source(package: str, name: str) -> str:
-    return (files(package) / "templates" / name).read_text(encoding="utf-8")
 
 
 def _mismatches(rows: Sequence[Mapping[str, Any]]) -> int | None:

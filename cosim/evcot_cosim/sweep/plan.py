@@ -16,15 +16,14 @@ from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 
 from ..lockstep.cosim import check_addresses_of
-from ..rtl.fingerprint import design_fingerprint
-from .axes import Point, grid, latin, uniform
-from .configure import configuration, tables_of
+from ..rtl.files import design_fingerprint
+from .axes import RUNS_MAX, Point, grid, latin, uniform
 from .execute import FAILED, INVALID
 from .fields import HARDWARE, PRESET, RTL, concerns, with_fields
 from .inputs import inputs_of, sensor_of
-from .machine import code_fingerprint
+from .machine import code_fingerprint, code_of
 from .spec import Spec
-from .task import FUZZ, Input, Task, canonical
+from .task import FUZZ, Input, Task, canonical, configuration, tables_of
 
 __all__ = ["Invalid", "Plan", "Planner", "points_of"]
 
@@ -103,9 +102,14 @@ class Planner:
         return sorted(files | rules)
 
     def fuzz(self) -> Plan:
-        """The runs of `Fuzz`: modules x shapes x seeds."""
+        """The runs of `Fuzz`: modules x shapes x seeds.
+
+        Raises:
+            ConfigError: more than `RUNS_MAX`.
+        """
         fuzz = self.spec.fuzz
         assert fuzz is not None
+        _check_count(len(fuzz.modules) * len(fuzz.shapes) * len(self.spec.seeds))
         plan = Plan()
         for module in fuzz.modules:
             for shape in fuzz.shapes:
@@ -131,7 +135,8 @@ class Planner:
             strict: whether it is an error that a value, or an engine, has no run that can be.
 
         Raises:
-            ConfigError: every run with one of the values, or every run of an engine, cannot be; the first reason.
+            ConfigError: every run with one of the values, or every run of an engine, cannot be; the first reason. Or there are
+                more than `RUNS_MAX`.
         """
         plan, seen = Plan(), set[str]()
         refused: dict[tuple[str, str], str] = {}  # (engine, field = value) -> why
@@ -156,6 +161,7 @@ class Planner:
                         seen.add(task.key)
                         plan.tasks += [task] if fault is None else []
                         plan.invalid += [Invalid(task, fault)] if fault is not None else []
+            _check_count(len(seen))
         choices = {canonical([axis.name, value]) for axis in self.spec.axes for value in axis.choices} | {""}
         for (engine, what), fault in sorted(refused.items(), key=lambda each: each[0][1]) if strict else ():
             if what in choices and (engine, what) not in accepted:
@@ -178,7 +184,7 @@ class Planner:
                 own: dict[str, Any] = {name: value for name, value in point.items() if concerns(name, engine, [module])}
                 tables = tables_of(with_fields(spec.tables, own), module or engine)
                 for seed in (source.scene_seed,) if source.is_scene and seeds != (None,) else seeds:
-                    yield Task(engine, source, preset, tables, module, seed, 0, own, code_fingerprint(), design)
+                    yield Task(engine, source, preset, tables, module, seed, 0, own, code_of(engine), design)
 
     def _fault(self, task: Task) -> str | None:
         """Why a run cannot be; None if it can."""
@@ -196,9 +202,14 @@ def _fault(task: Task, sensor: Sensor) -> str | None:
         if isinstance(config, RunConfig):
             config.device_config(*sensor)
             check_addresses_of(sensor, config.hardware, "the input")
-    except ConfigError as error:
+    except (ConfigError, RecordingError) as error:
         return str(error)
     return None
+
+
+def _check_count(runs: int) -> None:
+    if runs > RUNS_MAX:
+        raise ConfigError(f"a sweep of {runs:,} or more runs: must be at most {RUNS_MAX:,}")
 
 
 def _with(what: str) -> str:

@@ -1,30 +1,82 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Report pages of single runs of a sweep: each is run again, and its report written into the sweep's folder."""
+"""Runs of a sweep again: by their key, compared with the store, or as report pages in the sweep's folder."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from evcot.errors import OutputError
+from evcot.errors import ConfigError, OutputError, reason_of
 from evcot.events import Events, Recording
 from evcot.hardware.modules import MODULES
 from evcot.trackers.config import RunConfig
 
 from ..report import Material, Side, Truth, write_report
-from ..rtl.fingerprint import versions
-from .configure import configuration
-from .execute import Tracked, tracked
+from ..rtl.files import versions
+from .execute import Tracked, execute, tracked
 from .fields import RTL
-from .folder import PLAYBACK
+from .folder import PLAYBACK, spec_of
 from .inputs import opened, truth_of
-from .task import Task
+from .metrics import METRICS
+from .store import read_rows
+from .task import Task, configuration
 
-__all__ = ["write_playback"]
+__all__ = ["Difference", "Repeated", "repeat", "write_playback"]
+
+
+_LEAST = 6  # digits of a key: enough to distinguish runs
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A column in which a run and its row differ."""
+
+    name: str
+    stored: Any
+    now: Any
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """A run that was done again: its row, and where that differs from the stored one."""
+
+    row: Mapping[str, Any]
+    stored: bool
+    differences: tuple[Difference, ...]
+
+    @property
+    def shown(self) -> list[tuple[str, str]]:
+        """The result as a table for people."""
+        names = ("key", "status", "engine", "hardware", "preset", "input", "error")
+        rows = [(name, str(self.row[name])) for name in names if self.row.get(name)]
+        rows += [(name, str(value)) for name, value in self.row["settings"].items()]
+        return rows + [(name, f"{self.row[name]:.6g}") for name in METRICS if self.row.get(name) is not None]
+
+
+def repeat(folder: Path, key: str) -> Repeated:
+    """Do a run of the sweep in a folder again; the store stays as it is.
+
+    Args:
+        key: of the run, or its first digits.
+
+    Raises:
+        ConfigError: no such folder or run, or a program that has changed since.
+    """
+    spec_of(folder)
+    matching = [row for row in read_rows(folder) if row["key"].startswith(key)] if len(key) >= _LEAST else []
+    if len(matching) != 1:
+        raise ConfigError(f"--only {key}: is the key of {len(matching)} runs in {folder}: must be that of one")
+    stored = matching[0]
+    row = execute(Task.from_json(stored["task"]))
+    names = ("status", "error", *METRICS)
+    compared = [Difference(name, stored[name], row.get(name)) for name in names]
+    different = tuple(each for each in compared if each.stored != each.now)
+    return Repeated(row, True, different)
+
 
 _EVENTS_MAX = 20_000_000  # that a page is made of: it holds them in memory
 
@@ -45,7 +97,7 @@ def write_playback(folder: Path, rows: Sequence[Mapping[str, Any]]) -> dict[str,
             try:
                 path.parent.mkdir(exist_ok=True)
             except OSError as error:
-                raise OutputError(f"{path.parent}: cannot be written: {error.strerror or error}") from error
+                raise OutputError(f"{path.parent}: cannot be written: {reason_of(error, path.parent)}") from error
             write_report(_material(row), path)
             written[row["key"]] = name
     return written

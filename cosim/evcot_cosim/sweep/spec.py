@@ -19,8 +19,9 @@ from evcot.scenes.registry import SCENES, scene_settings
 from evcot.toml_file import read_toml
 from evcot.trackers.engines import ENGINES
 
-from .axes import METHODS, SAMPLES_MAX, Axis, axis_from
-from .fields import HARDWARE, PRESET, RTL, nested
+from ..standard_streams import STANDARD_INPUT, as_file
+from .axes import METHODS, RUNS_MAX, Axis, axis_from
+from .fields import HARDWARE, PRESET, RTL, check_engine, nested
 from .metrics import METRICS
 from .places import placed
 from .task import canonical
@@ -32,7 +33,6 @@ SHIPPED = tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 """Specifications that come with evcot, by name."""
 
 _DIRECTIONS = ("max", "min")
-_SEEDS_MAX = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,8 @@ _OTHERS = ("seeds", "parts")
 
 
 def read_spec(name: str) -> Spec:
-    """Read a specification: a TOML file, or one of `SHIPPED`. Its paths are relative to its folder.
+    """Read a specification: a TOML file, or one of `SHIPPED`. Its paths are relative to its folder; of
+    standard input, to the current one.
 
     Raises:
         ConfigError: it cannot be read or is not a specification; names file, field, value and rule.
@@ -127,7 +128,8 @@ def read_spec(name: str) -> Spec:
     try:
         if path.suffix != ".toml" and not path.exists():
             raise ConfigError(f"cannot be read: No such file or directory (evcot's own are {', '.join(SHIPPED)})")
-        return spec_from(read_toml(path), path.absolute().parent, path.stem)
+        folder = Path.cwd() if path == STANDARD_INPUT else path.absolute().parent
+        return spec_from(read_toml(as_file(path)), folder, path.stem)
     except ConfigError as error:
         raise ConfigError(f"{name}: {error}") from error
 
@@ -230,8 +232,8 @@ def _seeds(value: Any) -> tuple[int, ...]:
             raise ConfigError(f"seeds = {dict(value)!r}: must be {{from, to}}, both whole numbers")
         assert isinstance(low, int)
         assert isinstance(high, int)
-        if not 0 <= low <= high or high - low >= _SEEDS_MAX:
-            raise ConfigError(f"seeds: from {low} to {high}: must not be negative or empty, and at most {_SEEDS_MAX:,}")
+        if not 0 <= low <= high or high - low >= RUNS_MAX:
+            raise ConfigError(f"seeds: from {low} to {high}: must not be negative or empty, and at most {RUNS_MAX:,}")
         return tuple(range(low, high + 1))
     if not isinstance(value, list) or not value or not all(type(each) is int and each >= 0 for each in value):
         raise ConfigError(f"seeds = {value!r}: must be whole numbers, not negative, one at least; or {{from, to}}")
@@ -298,10 +300,8 @@ def _check(spec: Spec) -> None:
         return
     if not spec.has_inputs:
         raise ConfigError("recordings: must be given, or scenes, or fuzz")
-    engines = (*ENGINES, RTL)
     for engine in spec.engines:
-        if engine not in engines:
-            raise ConfigError(f"engines: {engine!r}: must be one of {', '.join(engines)}")
+        check_engine(engine)
     for module in spec.hardware:
         if module not in MODULES:
             raise ConfigError(f"hardware: {module!r}: must be one of {', '.join(MODULES)}")
@@ -309,8 +309,8 @@ def _check(spec: Spec) -> None:
         scene_settings(scene, spec.seeds[0], spec.scene_settings)
     if spec.method not in METHODS:
         raise ConfigError(f"method = {spec.method!r}: must be one of {', '.join(METHODS)}")
-    if spec.method != "grid" and not 1 <= spec.samples <= SAMPLES_MAX:
-        raise ConfigError(f"samples = {spec.samples}: must be from 1 to {SAMPLES_MAX:,} with method = {spec.method!r}")
+    if spec.method != "grid" and not 1 <= spec.samples <= RUNS_MAX:
+        raise ConfigError(f"samples = {spec.samples}: must be from 1 to {RUNS_MAX:,} with method = {spec.method!r}")
     if spec.method != "grid" and not spec.axes:
         raise ConfigError(f"fields: must have one at least with method = {spec.method!r}")
     for name, low in (("batch", 1), ("best", 0), ("timeout_s", 0), ("sampling_seed", 0)):

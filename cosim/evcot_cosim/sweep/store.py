@@ -21,7 +21,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from evcot.errors import ConfigError, OutputError, RecordingWarning
+from evcot.errors import ConfigError, OutputError, RecordingWarning, reason_of
 from evcot.outputs import written_aside
 
 from .metrics import METRICS, TIMES
@@ -87,7 +87,7 @@ class Store:
             self._runs.mkdir(exist_ok=True)
             self._journal = (folder / _JOURNAL).open("a+b", buffering=0)
         except OSError as error:
-            raise OutputError(f"{folder}: cannot be written: {error.strerror or error}") from error
+            raise OutputError(f"{folder}: cannot be written: {reason_of(error, folder)}") from error
         try:
             self._begin()
         except BaseException:
@@ -130,7 +130,8 @@ class Store:
                 written += self._journal.write(line[written:]) or 0
         except OSError as error:
             self._journal.truncate(at)  # no half line
-            raise OutputError(f"{self.folder / _JOURNAL}: cannot be written: {error.strerror or error}") from error
+            journal = self.folder / _JOURNAL
+            raise OutputError(f"{journal}: cannot be written: {reason_of(error, journal)}") from error
         self.status[row["key"]] = row["status"]
         self._new.append(dict(row))
         if len(self._new) >= _FLUSH_ROWS or time.monotonic() - self._flushed > _FLUSH_S:
@@ -193,7 +194,7 @@ class Store:
                 os.fsync(file.fileno())
             os.link(aside, path)  # never in place of another
         except OSError as error:
-            raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+            raise OutputError(f"{path}: cannot be written: {reason_of(error, path)}") from error
         finally:
             aside.unlink(missing_ok=True)
         return path

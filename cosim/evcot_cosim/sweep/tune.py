@@ -20,7 +20,6 @@ from evcot.trackers.config import RunConfig
 
 from ..lockstep.run_file import config_tables
 from .axes import Axis, axis_from
-from .configure import configuration
 from .fields import RTL, concerns, limits, numeric_fields, with_fields
 from .inputs import inputs_of, sensor_of
 from .metrics import METRICS
@@ -29,7 +28,7 @@ from .results import Group, best_first, grouped
 from .run import Swept
 from .spec import Spec
 from .store import read_rows
-from .task import canonical
+from .task import canonical, configuration
 
 __all__ = ["Tuned", "axes_from", "default_axes", "divided", "objective_from", "preset_toml", "tune"]
 

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Conversion of a VCD to FST, GTKWave's own format: a tenth of the size, and faster to open.
 
-It is written by pylibfst; on platforms without its wheel there is no FST output.
+pylibfst writes it; on platforms without its wheel there is no FST output. The library ignores errors of the system, so the
+finished file is checked. A child process runs the library, since a full /tmp ends that process by a signal.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import signal
+import struct
+import subprocess
+import sys
+import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from evcot.errors import OutputError
 from evcot.outputs import path_written_aside
@@ -32,49 +37,44 @@ def write_fst(vcd: Path, path: Path, *, force: bool = False) -> None:
     Raises:
         OutputError: it exists (without `force`), or cannot be written.
     """
-    library = fst_writer()
-    assert library is not None
     with path_written_aside(path, force=force) as aside:
-        context = library.lib.fstWriterCreate(os.fsencode(aside), 1)
-        if context == library.ffi.NULL:
-            raise OutputError(f"{path}: cannot be written")
-        with vcd.open("rb") as file:
-            _copy(file, context, library.lib)
-        library.lib.fstWriterClose(context)
+        command = [sys.executable, "-P", str(_WRITER), str(vcd), str(aside)]
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
+        if done.returncode:
+            aside.with_name(f"{aside.name}.hier").unlink(missing_ok=True)  # a part of it, until it is complete
+            by_signal = f"pylibfst was ended by {signal.Signals(-done.returncode).name}" if done.returncode < 0 else ""
+            reason = by_signal or (done.stderr.splitlines() or ["pylibfst gives no reason"])[-1]
+            raise OutputError(f"{path}: cannot be written: {reason} ({_NEEDS})")
+        with aside.open("rb") as file:
+            if not _is_whole(file):
+                size = aside.stat().st_size
+                raise OutputError(f"{path}: cannot be written: is cut off after {size} bytes, as by a full disk ({_NEEDS})")
 
 
-def _copy(lines: Any, context: Any, lib: Any) -> None:
-    """Copy declarations, then times and values; IEEE 1364-2005, section 18.2, specifies the VCD format."""
-    handles: dict[bytes, int] = {}
-    widths: dict[bytes, int] = {}
-    declare: dict[bytes, Callable[[list[bytes]], Any]] = {
-        b"$timescale": lambda words: lib.fstWriterSetTimescaleFromString(context, b"".join(words[1:-1])),
-        b"$version": lambda words: lib.fstWriterSetVersion(context, b" ".join(words[1:-1])),
-        b"$scope": lambda words: lib.fstWriterSetScope(context, _MODULE, words[2], b""),
-        b"$upscope": lambda _: lib.fstWriterSetUpscope(context),
-    }
-    for line in lines:
-        words = line.split()
-        if not words:
-            continue
-        if words[0] == b"$enddefinitions":
-            break
-        if words[0] == b"$var":
-            width, code, name = int(words[2]), words[3], b" ".join(words[4:-1])
-            handle = lib.fstWriterCreateVar(context, _WIRE, _IMPLICIT, width, name, handles.get(code, 0))
-            handles.setdefault(code, handle)
-            widths[code] = width
-        elif words[0] in declare:
-            declare[words[0]](words)
-    for line in lines:
-        kind = line[:1]
-        if kind == b"#":
-            lib.fstWriterEmitTimeChange(context, int(line[1:]))
-        elif kind == b"b":
-            value, code = line[1:].split()
-            lib.fstWriterEmitValueChange(context, handles[code], value.rjust(widths[code], b"0"))
-        elif kind in b"01xzXZ" and kind:
-            lib.fstWriterEmitValueChange(context, handles[line[1:].strip()], kind)
+def _is_whole(file: BinaryIO) -> bool:
+    """Whether the file is a sequence of complete blocks that ends with the hierarchy, which the library writes last."""
+    end, at = file.seek(0, os.SEEK_END), 0
+    while at < end:
+        file.seek(at)
+        block = file.read(_BLOCK.size)
+        if len(block) < _BLOCK.size:
+            return False
+        kind, size = _BLOCK.unpack(block)  # the size includes itself, but not the kind
+        at += 1 + size
+        if size < _BLOCK.size - 1 or at > end:
+            return False
+    if not end or kind != _HIERARCHY:
+        return False
+    file.read(8)  # its size when it is unpacked
+    stream = zlib.decompressobj(zlib.MAX_WBITS | 16)
+    try:
+        stream.decompress(file.read())
+    except zlib.error:
+        return False
+    return stream.eof
 
 
-_MODULE, _WIRE, _IMPLICIT = 0, 16, 0  # FST_ST_VCD_MODULE, FST_VT_VCD_WIRE, FST_VD_IMPLICIT of fstapi.h
+_WRITER = Path(__file__).with_name("fst_writer.py")
+_NEEDS = "an FST needs 132 MB of memory, and four files in /tmp"
+_BLOCK = struct.Struct(">BQ")
+_HIERARCHY = 4  # FST_BL_HIER of fstapi.h

@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from evcot.errors import OutputError, reason_of
+
 from .errors import VcdError
 from .vcd_lines import DOLLAR, vcd_lines
 
@@ -191,21 +193,33 @@ def parse(path: Path, *, signals: Sequence[str] = (), only_sigs: bool = False, t
         signals: references of the signals whose changes are kept; none: all.
         only_sigs: read the declarations only.
         to_time: end with the changes at this time.
+
+    Raises:
+        OutputError: the temporary file cannot be written.
     """
     handler = signal.getsignal(signal.SIGPIPE)
     from vcdvcd import VCDVCD
 
     if signal.getsignal(signal.SIGPIPE) != handler:
         signal.signal(signal.SIGPIPE, handler)
-    with tempfile.NamedTemporaryFile(suffix=".vcd") as lines:
+    with tempfile.TemporaryDirectory() as folder:
+        lines = Path(folder) / "lines.vcd"
+        lines.touch()
         for block in vcd_lines(path, header_only=only_sigs):
-            lines.write(block)
-        lines.flush()
+            _append(lines, block)
         wanted = [name.replace("$", DOLLAR) for name in signals]
-        vcd = VCDVCD(lines.name, signals=wanted, only_sigs=only_sigs, to_time=to_time)
+        vcd = VCDVCD(str(lines), signals=wanted, only_sigs=only_sigs, to_time=to_time)
     vcd.references_to_ids = {name.replace(DOLLAR, "$"): code for name, code in vcd.references_to_ids.items()}
     vcd.signals = [name.replace(DOLLAR, "$") for name in vcd.signals]
     return vcd
+
+
+def _append(path: Path, block: bytes) -> None:
+    try:
+        with path.open("ab") as file:
+            file.write(block)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {reason_of(error, path)}") from error
 
 
 @contextmanager
@@ -213,7 +227,7 @@ def _readable(path: Path) -> Iterator[None]:
     """Convert any error of the parser on an invalid or truncated VCD to a one-line VcdError."""
     try:
         yield
-    except VcdError:
+    except (VcdError, OutputError):
         raise
     except OSError as error:
         raise VcdError(f"{path}: cannot be read: {error.strerror or error}") from error

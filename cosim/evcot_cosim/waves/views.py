@@ -225,8 +225,8 @@ _TURN = Codes("turn", tuple((name, None) for name in ("RUN", "BEGUN", "BUSY", "D
 _MOTION_DECISION = Group(
     "decision",
     (
-        *_rows("u_events.d_valid u_events.d_event u_events.d_owned u_events.d_corrects u_events.d_seeds", Colour.CONTROL),
-        *_rows("u_events.d_slot u_events.d_support"),
+        *_rows("u_events.d_valid u_events.d_event u_events.d_owned u_events.j_valid u_events.j_kind", Colour.CONTROL),
+        *_rows("u_events.d_slot u_events.j_owned"),
         *_rows("u_events.d_x u_events.d_y u_events.d_p", Colour.EVENT),
         *_rows("u_events.d_seq u_events.d_time", Colour.TIME),
     ),
@@ -235,9 +235,9 @@ _MOTION_WORK = Group(
     "steps and corrections",
     (
         Row("u_turn.state", codes=_TURN, colour=Colour.CONTROL),
-        *_rows("u_turn.takes_token u_turn.takes_op u_turn.takes_put", Colour.CONTROL),
+        *_rows("u_turn.takes_token u_turn.op_step u_turn.op_effect", Colour.CONTROL),
         *_rows("u_turn.now u_turn.next_step", Colour.TIME),
-        *_rows("u_work.u_order.correcting u_work.u_order.s_all u_work.u_order.merging", Colour.CONTROL),
+        *_rows("u_work.u_order.at_work u_work.u_order.correcting u_work.u_order.merging", Colour.CONTROL),
         *_rows("u_work.u_order.at"),
     ),
 )
@@ -256,7 +256,7 @@ _MOTION_SLOT = Group(
             for axis in "xy"
             for side in ("los", "his")
         ),
-        *(Row(f"u_events.{name}[{{slot}}]", name) for name in ("supports", "lefts")),
+        *(Row(f"u_events.{name}[{{slot}}]", name) for name in ("owneds", "lefts")),
         Row("u_turn.seeded", packed=True),
     ),
 )

@@ -9,12 +9,13 @@
 // With motion there are two more banks, for the whole array, and of a slot's registers `mode` alone. The registers that must not
 // contradict each other are compared when their bank is to be committed, and the commit is refused if they do.
 //
-// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 3 more if a bank
-//             is being copied, and 8 for a commit of motion, which compares registers: 64 at most. In the 32 clocks for each bank
-//             after reset, in which the shadow is filled, accesses wait. A write of `mask` is refused until the filters are
-//             cleared after a reset, since it would be lost.
-// Reset:      every register at its reset value; the shadow has the default configuration, with all slots off. core_rst clears the interrupt events,
-//             and marks every mode as written.
+// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write, 17 of a commit of motion, which compares
+//             registers. A bank that is being copied adds EVCOT_BANK_LAST + 4 at most: 36, 38 and 46. An access that arrives together
+//             with one of the other kind also waits for that one, and for a second bank: 73 clocks at most, 81 with motion
+//             (hw/formal/axi_lite_regs.vh). After reset, accesses wait while the shadow is filled, 32 clocks for each bank. A write of
+//             `mask` is refused until the filters are cleared after a reset, since it would be lost.
+// Reset:      every register at its reset value; the shadow has the default configuration, with all slots off. core_rst clears the
+//             interrupt events, and marks every mode as written.
 // Throughput: one access at a time, a read or a write.
 // Stall:      an access waits as above, never for an event.
 // Combinational paths: none.

@@ -4,7 +4,7 @@
 // event's place, and whether another pixel had one, too. A window's end is computed between two tokens.
 //
 // Latency:    5 clocks from s_ to m_.
-// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 15 clocks, 48 at 346x260.
+// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 16 clocks, 49 at 346x260.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty and clears the cells: (WIDTH / 8) * (HEIGHT / 8) clocks with idle low, in which two tokens at most are
 //             taken.
@@ -212,7 +212,7 @@ module noise_support #(
 
     // ---- the end of a window: means, their quotient, and the thresholds that it reaches --------------------------------
 
-    localparam [2:0] RUNNING = 3'd0, BEGIN = 3'd1, MEANS = 3'd2, DIVIDE = 3'd3, COMPARE = 3'd4, OPEN = 3'd5, SETTLE = 3'd6;
+    localparam [2:0] RUNNING = 3'd0, BEGIN = 3'd1, MEANS = 3'd2, DIVIDE = 3'd3, COMPARE = 3'd4, OPEN = 3'd5, SETTLE = 3'd6, MOVE = 3'd7;
 
     reg [2:0]         state_reg;
     reg [2:0]         windows_reg;      // so far, 4 at most
@@ -232,10 +232,8 @@ module noise_support #(
 
     wire [ALONE_W-1:0] alone_now  = {{SHORTER{1'b0}}, alone_reg, {FRAC{1'b0}}} << shorter;
     wire [EMPTY_W-1:0] empty_now  = {empty_reg, {FRAC{1'b0}}};
-    wire signed [ALONE_W:0] alone_off = {1'b0, alone_now} - {1'b0, mean_alone_reg};
-    wire signed [EMPTY_W:0] empty_off = {1'b0, empty_now} - {1'b0, mean_empty_reg};
-    wire signed [ALONE_W:0] alone_step = alone_off >>> windows_reg;
-    wire signed [EMPTY_W:0] empty_step = empty_off >>> windows_reg;
+    reg signed [ALONE_W:0] alone_off_reg;  // how far the open window is from each mean, then the step of the mean
+    reg signed [EMPTY_W:0] empty_off_reg;
 
     wire             divide_ready, level_valid;
     wire [NUM_W-1:0] quotient;
@@ -274,6 +272,8 @@ module noise_support #(
             BEGIN: begin
                 dense_reg  <= four_empty < all_cells;
                 sparse_reg <= four_touched < all_cells;
+                alone_off_reg <= {1'b0, alone_now} - {1'b0, mean_alone_reg};
+                empty_off_reg <= {1'b0, empty_now} - {1'b0, mean_empty_reg};
                 if (touched_reg == {COUNT_W{1'b0}}) begin
                     state_reg <= RUNNING;
                     time_ends <= 1'b0;
@@ -281,11 +281,16 @@ module noise_support #(
             end
             MEANS:
                 if (measured) begin
-                    mean_alone_reg <= mean_alone_reg + alone_step[ALONE_W-1:0];
-                    mean_empty_reg <= mean_empty_reg + empty_step[EMPTY_W-1:0];
-                    windows_reg    <= (windows_reg == 3'd4) ? 3'd4 : windows_reg + 1'b1;
-                    state_reg      <= DIVIDE;
+                    alone_off_reg <= alone_off_reg >>> windows_reg;
+                    empty_off_reg <= empty_off_reg >>> windows_reg;
+                    state_reg     <= MOVE;
                 end else state_reg <= OPEN;
+            MOVE: begin
+                mean_alone_reg <= mean_alone_reg + alone_off_reg[ALONE_W-1:0];
+                mean_empty_reg <= mean_empty_reg + empty_off_reg[EMPTY_W-1:0];
+                windows_reg    <= (windows_reg == 3'd4) ? 3'd4 : windows_reg + 1'b1;
+                state_reg      <= DIVIDE;
+            end
             DIVIDE: begin
                 compared_reg <= 3'd0;
                 least_reg    <= noise_least;
@@ -351,7 +356,7 @@ module noise_support #(
     assign idle = !clearing_reg && !in_valid && !time_valid && !read_valid && !held_valid && !m_valid;
 
     // The divider is free when it is asked.
-    wire unused = &{1'b0, divide_ready, remainder, wide_tick, product, alone_step[ALONE_W], empty_step[EMPTY_W]};
+    wire unused = &{1'b0, divide_ready, remainder, wide_tick, product, alone_off_reg[ALONE_W], empty_off_reg[EMPTY_W]};
 
 endmodule
 

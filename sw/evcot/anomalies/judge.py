@@ -12,8 +12,8 @@ import math
 
 from .._numba_private import step
 from .alarm import Anomaly
-from .geometry import crosses, holds, offset
 from .stays import leave, settle
+from .zones import crosses, holds, offset
 
 __all__ = ["ALARMS_PER_STEP", "end", "judge"]
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from .._numba_private import njit
 from ..tracks.log import Kind
 from .judge import end, judge
 from .motion import add_place, begin, close_step, extent_px

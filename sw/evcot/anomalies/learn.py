@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ..metrics.sampling import checked_runs
 from ..tracks.log import Kind
-from ..tracks.reading import RecordRuns
+from ..tracks.log_files import RecordRuns
 from .config import AnomalyConfig
 from .field import FieldConfig, NormalMotion, grid
 from .layout import Field

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError, TrackLogError
-from ..metrics.sampling import check_records
 from ..tracks.boxes import upright_sides
-from ..tracks.reading import RecordRuns
+from ..tracks.log_files import RecordRuns
+from ..tracks.record import check_records
 from ..tracks.tally import LifeCounter
 from .alarm import ALARM
 from .config import AnomalyConfig

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..outputs import written_aside
 from ..pictures.style import INK
 from ..tracks.log import Kind
-from ..tracks.reading import RecordRuns
+from ..tracks.log_files import RecordRuns
 from .alarm import Anomaly
 from .field import NormalMotion
 from .monitor import Verdict

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import njit
 from ..tracks.column import PackedColumn
 from ..tracks.log import Kind
 from .field import FieldConfig, grid

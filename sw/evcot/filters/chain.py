@@ -14,14 +14,12 @@ from .base import EventFilter
 from .cells import CellsFilter
 from .contract import Filter, FilterShape
 from .decay import DecayFilter
-from .mask import MaskFilter
 from .noise_level import NoiseLevel
-from .polarity import PolarityFilter
 from .recent import RecentFilter
 from .refractory import RefractoryFilter
-from .region import RegionFilter
 from .registers import FilterRegisters
 from .rowcol import RowColumnFilter
+from .stateless import MaskFilter, PolarityFilter, RegionFilter
 
 __all__ = ["FILTERS", "FilterChain", "Total"]
 

@@ -19,9 +19,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import njit
 from ..errors import ConfigError
 from ..events import Events
 from ..outputs import note_input, written_aside

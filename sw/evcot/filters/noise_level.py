@@ -9,9 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from .._numba_private import step
+from .._numba_private import njit, step
 from .contract import CELL_LOG2, LEVEL_FRAC, LEVEL_MAX, NOISE_SHORTER, NOISE_SUPPORTS, FilterShape
 from .registers import FilterRegisters
 

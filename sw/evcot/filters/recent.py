@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import step
+from .._numba_private import njit, step
 from ..ticks import TickedEvents
 from .base import EventFilter
 from .contract import FilterShape

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import njit
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .contract import FilterShape

@@ -7,10 +7,9 @@ After Khodamoradi and Kastner, "O(N)-space spatiotemporal filter for reducing no
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import step
+from .._numba_private import njit, step
 from ..ticks import TickedEvents
 from .base import NEVER, EventFilter
 from .contract import FilterShape

@@ -6,10 +6,9 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any
 
-from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import step
+from .._numba_private import njit, step
 from ..tracks.log import DROPPED, Kind
 from .contract import HIST_AVG_STILL, REGISTERS, Mode
 

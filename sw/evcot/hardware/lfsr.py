@@ -9,10 +9,9 @@ because 1 + sum(x^tap) is primitive over GF(2) (Golomb, Shift Register Sequences
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import step
+from .._numba_private import njit, step
 from ..errors import ConfigError
 from ..ranges import check_integer
 

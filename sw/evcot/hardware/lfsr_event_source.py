@@ -6,9 +6,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import njit
 from ..errors import ConfigError
 from ..events import Events
 from .lfsr import WIDTH_MAX, Lfsr, next_state, tap_mask

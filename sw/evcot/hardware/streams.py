@@ -6,6 +6,7 @@ Records need no unpacking: they are `contract.RECORD`, byte for byte, so `np.fro
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,32 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from .registers import Word, register_map
 
-__all__ = ["pack_events", "unpack", "whole_numbers"]
+__all__ = ["pack", "pack_events", "unpack", "whole_numbers"]
+
+_LOW_BITS = ("t", "seq")  # fields that hold the low bits of a longer number
 
 
 def _word(name: str) -> Word:
     return next(word for word in register_map().streams if word.name == name)
+
+
+def pack(stream: str, columns: Mapping[str, NDArray[np.integer[Any]]]) -> NDArray[np.uint64]:
+    """Pack columns, one (n,) for each field, to words of the stream "event", "owned" or "passed", (n,) uint64.
+
+    Of times and of event numbers only the low bits are kept.
+
+    Raises:
+        RecordingError: an address, a slot or a polarity outside the range of its field.
+    """
+    fields = _word(stream).fields
+    words = np.zeros(len(columns[fields[0].name]), np.uint64)
+    for field in fields:
+        values = np.asarray(columns[field.name]).astype(np.int64)
+        top = (1 << field.bits) - 1
+        if field.name not in _LOW_BITS and len(beyond := np.flatnonzero((values < 0) | (values > top))):
+            raise RecordingError(f"event {beyond[0]}: {field.name} = {values[beyond[0]]}: must be from 0 to {top}")
+        words |= (values & top).astype(np.uint64) << np.uint64(field.lsb)
+    return words
 
 
 def pack_events(
@@ -29,14 +51,7 @@ def pack_events(
     Raises:
         RecordingError: an address or a polarity outside the range of its field.
     """
-    words = np.zeros(len(t_us), np.uint64)
-    for field, column in zip(_word("event").fields, (t_us, x, y, p), strict=True):
-        values = np.asarray(column).astype(np.int64)
-        top = (1 << field.bits) - 1
-        if field.name != "t" and len(beyond := np.flatnonzero((values < 0) | (values > top))):
-            raise RecordingError(f"event {beyond[0]}: {field.name} = {values[beyond[0]]}: must be from 0 to {top}")
-        words |= (values & top).astype(np.uint64) << np.uint64(field.lsb)
-    return words
+    return pack("event", {"t": t_us, "x": x, "y": y, "p": p})
 
 
 def unpack(stream: str, words: NDArray[np.uint64]) -> NDArray[np.void]:

@@ -9,14 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import TrackLogError
 from ..tracks.log import Kind, TrackLog
-from ..tracks.windows import windows
+from ..tracks.log_parts import windows
+from ..tracks.record import BEGIN_US, check_records
 
-__all__ = ["Around", "check_records", "checked", "checked_runs", "positions", "positions_around"]
+__all__ = ["Around", "checked", "checked_runs", "positions", "positions_around"]
 
-_TIME_MAX_US = 2**60
-_PIXELS_MAX = 1e9
 _AT_ONCE = 1 << 16  # positions: half a megabyte of each coordinate
 
 
@@ -28,42 +26,12 @@ def checked(log: TrackLog) -> TrackLog:
 
 def checked_runs(runs: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
     """The runs of a log, validated one after the other; see `check_records`."""
-    first, since_us = 0, -_TIME_MAX_US
+    first, since_us = 0, BEGIN_US
     for records in runs:
         check_records(records, first, since_us)
         yield records
         if len(records):
             first, since_us = first + len(records), int(records["t_us"][-1])
-
-
-def check_records(records: NDArray[np.void], first: int = 0, since_us: int = -_TIME_MAX_US) -> None:
-    """Validate records.
-
-    Args:
-        first, since_us: of a part of a log, the number of records before it, and the time of the last of them.
-
-    Raises:
-        TrackLogError: a record that is out of order in time, of unknown kind, or without a valid position, box, velocity or
-            confidence.
-    """
-    t_us = records["t_us"]
-    rules = (
-        ("t_us", (t_us >= -_TIME_MAX_US) & (t_us <= _TIME_MAX_US), "must be from -2^60 to 2^60"),
-        ("t_us", np.append(t_us[:1] >= since_us, t_us[1:] >= t_us[:-1]), "must not be before the record before it"),
-        ("kind", np.isin(records["kind"], list(Kind)), f"must be from 0 to {max(Kind):d}"),
-        *(
-            (name, np.abs(records[name]) <= _PIXELS_MAX, f"must be a number of at most {_PIXELS_MAX:g}")
-            for name in ("x", "y", "radius", "vx", "vy", "angle")
-        ),
-        *(
-            (name, (records[name] >= 0) & (records[name] <= most), f"must be a number from 0 to {most:g}")
-            for name, most in (("width", _PIXELS_MAX), ("height", _PIXELS_MAX), ("confidence", 1.0))
-        ),
-    )
-    for name, good, rule in rules:
-        if not good.all():
-            row = int(np.argmin(good))
-            raise TrackLogError(f"record {first + row}: {name} = {records[name][row]}: {rule}")
 
 
 def positions(

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -10,19 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import TrackLogError
-from ..tracks.reading import RecordRuns
-from ..tracks.windows import sampled
-from .clear import clear
+from ..errors import RecordingWarning, TrackLogError
+from ..tracks.log_files import RecordRuns
+from ..tracks.log_parts import sampled
 from .frames import Frames, Matches, line_up
-from .hota import hota
-from .identity import identity
+from .mot import clear, hota, identity
 from .motion import motion
 from .rule import Rule
 from .sampling import checked_runs
 from .truth import GroundTruth
 
-__all__ = ["Scores", "evaluate"]
+__all__ = ["Scores", "evaluate", "warn_of_other_truth"]
+
 
 _APART_US = 1_000_000  # a log and a truth separated by more than this, and by more than the truth's duration, differ in clock
 
@@ -59,6 +59,9 @@ class Scores:
     position_error_px_p90: float | None
     velocity_error_median: float | None
     stated_velocity_error_median: float | None
+    stated_angle_error_deg_median: float | None
+    stated_angle_over_45_deg_fraction: float | None
+    stated_relative_error_median: float | None
     latency_ms: float | None
     frames: int
     truth_ids: int
@@ -134,3 +137,18 @@ def _places(
     keys = np.repeat(np.arange(len(ids)), [len(own) for own in ids]) * n + np.concatenate([np.empty(0, np.int64), *ids])
     order = np.argsort(keys)
     return np.asarray(order[np.searchsorted(keys[order], frame * n + number)], np.int64)
+
+
+_MEETING = 0.05  # share of objects, and of tracks' boxes, that is met by chance: up to 0.04 in scenes of six objects
+
+
+def warn_of_other_truth(scores: Scores, truth: str, stacklevel: int = 2) -> None:
+    """Warn if hardly any track meets an object, as with the truth of another recording.
+
+    Args:
+        truth: its name.
+        stacklevel: as of `warnings.warn`, counted from the caller's caller.
+    """
+    if scores.track_ids and scores.truth_ids and max(scores.detre, scores.detpr) < _MEETING:
+        fault = "hardly any track meets an object: must be the truth of this recording, on its clock and in its pixels"
+        warnings.warn(f"{truth}: {fault}", RecordingWarning, stacklevel=stacklevel + 1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,11 +18,13 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError, RecordingError, TrackLogError
 from ..outputs import note_input
+from ..scenes.truth import Truth
 from ..tracks.formats.base import NOBODY, Boxes, FrameClock
 from ..tracks.formats.registry import is_boxes, read_boxes
 from .rule import RULES, Rule, load_rule
 
-__all__ = ["OBJECT", "GroundTruth", "read_truth", "rule_for"]
+__all__ = ["OBJECT", "TRUTH_SUFFIXES", "GroundTruth", "ground_truth_of", "read_truth", "rule_for", "truth_beside"]
+
 
 OBJECT = np.dtype(
     [
@@ -278,3 +281,20 @@ def _clipped(objects: NDArray[np.void], rule: Rule) -> NDArray[np.void]:
         clipped[axis], clipped[side] = (low + high) / 2, high - low
     inside: NDArray[np.void] = clipped[(clipped["width"] > 0) & (clipped["height"] > 0)]
     return inside
+
+
+def ground_truth_of(truth: Truth, rule: Rule) -> GroundTruth:
+    """What `read_truth` makes of the file beside the scene's recording; errors as of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "truth.csv"
+        truth.save(path)
+        return read_truth(path, rule)
+
+
+TRUTH_SUFFIXES = (".truth.csv", "_gt.csv")  # behind a recording's stem: as `evcot simulate` writes it, and as data sets name it
+
+
+def truth_beside(recording: Path) -> Path | None:
+    """The truth beside a recording, None if there is none."""
+    paths = (recording.with_name(f"{recording.stem}{suffix}") for suffix in TRUTH_SUFFIXES)
+    return next((path for path in paths if path.is_file()), None)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -20,11 +20,75 @@ from numpy.typing import NDArray
 from ..events import Events, Recording
 from ..tracks.boxes import box_corners
 from ..tracks.log import Kind, TrackLog
-from ..tracks.timeline import alive, sample
-from .over_time import END_MARKERS, TimeAxis, draw_alive, draw_merges
+from ..tracks.timeline import OPEN, alive, sample
 from .style import INK
 
-__all__ = ["EVENT_COLOURS", "NOTHING", "Clock", "Side", "count_panel", "lives_panel", "moment_panel", "scene_panel"]
+__all__ = [
+    "END_MARKERS",
+    "EVENT_COLOURS",
+    "NOTHING",
+    "Clock",
+    "Point",
+    "Side",
+    "TimeAxis",
+    "count_panel",
+    "draw_alive",
+    "draw_merges",
+    "lives_panel",
+    "moment_panel",
+    "scene_panel",
+]
+
+
+Point = tuple[float, float]
+
+# How a life ended (`timeline.LIFE`) -> the marker at its end.
+END_MARKERS: dict[int, str] = {int(Kind.LOST): "|", int(Kind.MERGED): "D", OPEN: ">"}
+
+
+@dataclass(frozen=True)
+class TimeAxis:
+    """A recording's times as positions on an axis, in seconds, or in milliseconds below two seconds.
+
+    Attributes:
+        zero_us: time at position 0.
+        length_us: how much time is shown.
+    """
+
+    zero_us: int
+    length_us: int
+
+    @property
+    def unit(self) -> str:
+        """Name of the unit."""
+        return "s" if self._long else "ms"
+
+    def __call__(self, t_us: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Positions of times."""
+        return np.asarray((t_us - self.zero_us) / (1e6 if self._long else 1e3), np.float64)
+
+    @property
+    def _long(self) -> bool:
+        return self.length_us >= 2_000_000
+
+
+def draw_alive(
+    ax: Axes, at: NDArray[np.float64], sides: Iterable[tuple[NDArray[np.int64], dict[str, Any]]], label: str
+) -> None:
+    """Steps of how many tracks are alive at each position, one line for each (counts, look)."""
+    most = 1
+    for counts, look in sides:
+        most = max(most, int(counts.max()))
+        ax.step(at, counts, where="post", **look)
+    ax.set_ylim(0, 1.12 * most)
+    ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    ax.set_ylabel(label)
+
+
+def draw_merges(ax: Axes, joins: Sequence[tuple[Point, Point]], width: float) -> None:
+    """A line from each merged life to its survivor."""
+    ax.add_collection(LineCollection(joins, colors=INK, linewidths=width))
+
 
 # Okabe and Ito's palette, suitable for colour-blind readers; the engines also differ in line width and dashes.
 EVENT_COLOURS = ("#CC79A7", "#009E73")  # OFF, ON

@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
+import base64
+import html
+import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib
 import numpy as np
@@ -13,15 +17,20 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..events import Recording
+from ..errors import ConfigError
+from ..events import Events, Recording
 from ..outputs import written_aside
 from ..tracks.log import TrackLog
 from ..tracks.timeline import alive, lifetimes
-from .over_time import END_MARKERS
-from .panels import EVENT_COLOURS, NOTHING, Clock, Side, count_panel, lives_panel, moment_panel, scene_panel
+from .panels import END_MARKERS, EVENT_COLOURS, NOTHING, Clock, Side, count_panel, lives_panel, moment_panel, scene_panel
+from .plots import Log, Material, density, figure_of
 from .style import INK
 
-__all__ = ["SIZE_PX", "draw"]
+if TYPE_CHECKING:
+    from .plots.figure import NotebookFigure
+
+__all__ = ["SIZE_PX", "draw", "log_figure", "log_html"]
+
 
 SIZE_PX = (1950, 1095)  # width, height of every picture
 
@@ -144,3 +153,37 @@ def _subtitle(recording: Recording, sides: list[Side]) -> str:
         parts.append(NOTHING)
     parts += [f"the {len(s.lives)} longest of {s.tracks} {s.name} tracks drawn" for s in sides if len(s.lives) < s.tracks]
     return "   ·   ".join(parts)
+
+
+_WIDTH_MM, _NOTEBOOK_DPI = 150.0, 110.0  # 650 px, which a notebook's column holds
+_LONGEST_ASPECT = 4  # of the sensor that is drawn without a recording
+_SIDE_MAX_PX = 4_096  # of its sides: more is outside every event camera
+
+
+def log_figure(log: TrackLog, recording: Recording | None, panels: Sequence[str]) -> NotebookFigure:
+    """See `TrackLog.plot`."""
+    if recording is None:
+        recording = _empty_sensor(log)
+    elif len(log.owner) > len(recording.events):
+        rule = f"must be the recording of the log, of {len(log.owner):,} events at least"
+        raise ConfigError(f"plot: {recording.name} has {len(recording.events):,} events: {rule}")
+    counts, _, _ = density([recording.events], (recording.width, recording.height))
+    times_us = np.concatenate((recording.events.t_us, log.records["t_us"]))
+    from_us, to_us = (int(times_us.min()), int(times_us.max())) if len(times_us) else (0, 0)
+    material = Material(counts, (Log(log.engine, log),), from_us, to_us, from_us)
+    return figure_of(material, panels, width_mm=_WIDTH_MM, dpi=_NOTEBOOK_DPI)
+
+
+def log_html(log: TrackLog) -> str:
+    """The log in a line, and its tracks as a picture."""
+    picture = base64.b64encode(log_figure(log, None, ("tracks",))._repr_png_()).decode()
+    return f'<div>{html.escape(repr(log))}</div><img alt="paths of the tracks" src="data:image/png;base64,{picture}">'
+
+
+def _empty_sensor(log: TrackLog) -> Recording:
+    """A recording without events, on a sensor that is as large as the tracks need."""
+    records = log.records
+    reaches = (records[axis] + records[side] / 2 for axis, side in (("x", "width"), ("y", "height")))
+    width, height = (min(max(math.ceil(np.max(reach, initial=0.0)) + 1, 1), _SIDE_MAX_PX) for reach in reaches)
+    width, height = max(width, height // _LONGEST_ASPECT), max(height, width // _LONGEST_ASPECT)
+    return Recording(Events.empty(), width, height, log.engine)

@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .._numba_private import njit
 from ..events import MOST_PIXELS, Events
 from .files import RecordingFile
 

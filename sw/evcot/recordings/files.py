@@ -16,7 +16,7 @@ from .._numba_private import njit
 from ..errors import ConfigError, DamagedRecordingError, RecordingError, RecordingWarning
 from ..events import Events, Recording, check_sensor, find_fault
 from ..outputs import note_input, reading, written_aside
-from .formats import FORMATS, WRITABLE
+from . import formats
 from .formats.source import BLOCK_EVENTS, Sensor, Source, WritableFormat
 
 __all__ = [
@@ -322,16 +322,16 @@ def _open(path: Path, struct: str | None) -> tuple[str, Source]:
         raise RecordingError("is a device or a pipe: must be a file")
     if start.startswith(_LFS):
         raise RecordingError("is a pointer of Git LFS, without the data: get these with `git lfs pull`")
-    for kind in FORMATS:
-        if kind.matches(start, path):
-            if struct is None:
-                return kind.title, kind.open(path)
-            if kind.open_struct is None:
-                raise RecordingError(f"is {kind.title}, which has no structs: struct must not be given")
-            return kind.title, kind.open_struct(path, struct)
-    if path.is_dir():
-        raise RecordingError("is a directory, and no ROS 2 bag: has no metadata.yaml")
-    raise RecordingError(f"has an unknown format: must be one of {', '.join(kind.title for kind in FORMATS)}")
+    kind = formats.format_of(start, path)
+    if kind is None:
+        if path.is_dir():
+            raise RecordingError("is a directory, and no ROS 2 bag: has no metadata.yaml")
+        raise RecordingError(f"has an unknown format: must be one of {', '.join(each.title for each in formats.formats())}")
+    if struct is None:
+        return kind.title, kind.open(path)
+    if kind.open_struct is None:
+        raise RecordingError(f"is {kind.title}, which has no structs: struct must not be given")
+    return kind.title, kind.open_struct(path, struct)
 
 
 def read_recording(
@@ -418,12 +418,12 @@ def format_for(path: Path | str, name: str | None = None) -> WritableFormat:
         ConfigError: unknown format or suffix.
     """
     if name is not None:
-        if name not in WRITABLE:
-            raise ConfigError(f"format {name!r}: must be one of {', '.join(WRITABLE)}")
-        return WRITABLE[name]
+        if name not in formats.WRITABLE:
+            raise ConfigError(f"format {name!r}: must be one of {', '.join(formats.WRITABLE)}")
+        return formats.WRITABLE[name]
     suffix = Path(path).suffix
-    kind = next((kind for kind in WRITABLE.values() if kind.suffix == suffix.lower()), None)
+    kind = next((kind for kind in formats.WRITABLE.values() if kind.suffix == suffix.lower()), None)
     if kind is None:
-        suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in WRITABLE.values()))
+        suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in formats.WRITABLE.values()))
         raise ConfigError(f"{path}: suffix {suffix!r}: must be one of {suffixes}, or the format must be named")
     return kind

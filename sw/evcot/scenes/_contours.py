@@ -9,9 +9,7 @@ the change is `steps * K * clip(d + 1/2, 0, 1)`. So the pixel crosses the level 
 
 from __future__ import annotations
 
-from numba import njit
-
-from .._numba_private import step
+from .._numba_private import njit, step
 from ._order import KEY_T_SHIFT
 
 __all__ = ["leg_events"]

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .._numba_private import step
+from .._numba_private import njit, step
 from ..events import Events
 
-__all__ = ["KEY_T_SHIFT", "events_of"]
+__all__ = ["KEY_T_SHIFT", "events_of", "sorted_keys", "unpacked", "without_intervals"]
 
 # An event as one integer: t_us << 33 | x << 17 | y << 1 | p, with times from 0 to 2**30.
 KEY_T_SHIFT = 33
@@ -21,11 +22,20 @@ _SHORT = 32  # maximum number of keys in a bucket for insertion sort
 
 def events_of(keys: NDArray[np.int64], end_us: int) -> Events:
     """The events before `end_us`, sorted by time, then x, y and p; from (n,) keys in any order."""
-    ordered = np.sort(keys) if len(keys) < _FEW else _by_key(keys)
-    n = int(np.searchsorted(ordered, end_us << KEY_T_SHIFT))
-    events = Events.allocated(n)
-    _unpack(ordered, events.t_us, events.x, events.y, events.p)
+    ordered = sorted_keys(keys)
+    return unpacked(ordered[: int(np.searchsorted(ordered, end_us << KEY_T_SHIFT))])
+
+
+def unpacked(keys: NDArray[np.int64]) -> Events:
+    """The events of sorted keys."""
+    events = Events.allocated(len(keys))
+    _unpack(keys, events.t_us, events.x, events.y, events.p)
     return events
+
+
+def sorted_keys(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A sorted copy."""
+    return np.sort(keys) if len(keys) < _FEW else cast("NDArray[np.int64]", _by_key(keys))
 
 
 @njit(cache=True, nogil=True)
@@ -64,6 +74,17 @@ def _insert(keys):  # type: ignore[no-untyped-def]
             keys[at] = keys[at - 1]
             at -= 1
         keys[at] = key
+
+
+@njit(cache=True, nogil=True)
+def without_intervals(keys, times_us):  # type: ignore[no-untyped-def]
+    """Sorted keys whose times have the number of their interval added (see `batch_events`), without that; changed in place."""
+    k = 1
+    for i in range(len(keys)):
+        while keys[i] >> KEY_T_SHIFT > times_us[k] - times_us[0] + k:
+            k += 1
+        keys[i] -= k << KEY_T_SHIFT
+    return keys
 
 
 @njit(cache=True, nogil=True)

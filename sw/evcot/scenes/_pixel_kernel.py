@@ -9,84 +9,219 @@ event resets the pixel in the same way.
 
 from __future__ import annotations
 
-import numpy as np
-from numba import njit
+import math
 
-from .._numba_private import step
+import numpy as np
+
+from .._numba_private import njit, step
+from ._logarithm import logarithm
 from ._order import KEY_T_SHIFT
 
-__all__ = ["LOG_INTENSITY_MAX", "NEVER", "are_within", "pixel_events"]
+__all__ = [
+    "LOG_INTENSITY_MAX", "are_within", "begin", "levels_of", "most_events", "one_pixel", "pixel_events",
+    "quiet_bounds",
+]  # fmt: skip
 
 NEVER = -np.inf  # in `ready`: the pixel is not in its refractory time
 LOG_INTENSITY_MAX = 100.0
 
 _ROUNDING = 1.0 - 1e-9  # tolerance for the rounding of a sum of steps towards a threshold
+_STRICTER = 1e-6, 2e-5  # how much inside linear bounds (relative), and logarithmic ones, are kept, which are float32
+_LIGHT_MAX = math.exp(LOG_INTENSITY_MAX) * (1 - _STRICTER[0])
+_LIGHT_MIN = math.exp(-LOG_INTENSITY_MAX) * (1 + _STRICTER[0])
+
+_MEMORY, _READY, _ON, _OFF = range(4)  # of `states`; those of one pixel lie in one line of the cache
+_STATES = 4
+_BATCH = 64  # pixels that are looked at more closely at once
 
 
 @njit(cache=True, nogil=True)
 def are_within(rectangles, width, height):  # type: ignore[no-untyped-def]
     """Whether rectangles, as of `pixel_events`, lie within the sensor."""
     for i in range(len(rectangles)):
-        left, top, right, bottom = rectangles[i]
-        if left < 0 or top < 0 or right > width or bottom > height:
+        if rectangles[i, 0] < 0 or rectangles[i, 1] < 0 or rectangles[i, 2] > width or rectangles[i, 3] > height:
             return False
     return True
 
 
 @njit(cache=True, nogil=True)
-def pixel_events(rectangles, frame, pixels, head, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
+def pixel_events(rectangles, frame, linear, pixels, head, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
     """Keys of the events in (0, span_us] after the last frame, which is at from_us, in any order; times are relative to it.
 
-    `rectangles` (n, 4): left, top, right, bottom, half open: where `frame` (log intensity at span_us) may have changed.
-    `pixels`: (last, memory, ready, on, off), maps of the sensor: log intensity at the last frame, stored value, end of the
-    refractory time (absolute) or `NEVER`, thresholds. `head`: a map of -1. `own`: dtype `OWN`, spontaneous events in time
-    order. All maps but the thresholds are updated. At a log intensity outside -LOG_INTENSITY_MAX to LOG_INTENSITY_MAX the
-    result ends, and its second part is the pixel's index, else -1.
+    `rectangles` (n, 4): left, top, right, bottom, half open: where `frame` (at span_us) may have changed. `linear`: whether
+    frames hold intensity; else its logarithm. `pixels`: see `begin`; it is updated. `head`: a map of -1. `own`: dtype `OWN`,
+    spontaneous events in time order. At a log intensity outside -LOG_INTENSITY_MAX to LOG_INTENSITY_MAX the result ends, and
+    its second part is the pixel's index, else -1.
     """
-    last, memory, ready, on, off = pixels
+    last, low, high, states = pixels
     link = np.empty(len(own), np.int64)
     for i in range(len(own) - 1, -1, -1):
-        link[i] = head[own[i].y, own[i].x]
-        head[own[i].y, own[i].x] = i
+        x, y = own[i].x, own[i].y
+        link[i] = head[y, x]
+        head[y, x] = i
+        low[y, x] = high[y, x] = np.inf
     keys, n = np.empty(256 + 2 * len(own), np.int64), 0
-    for r in range(len(rectangles)):
-        left, top, right, bottom = rectangles[r]
-        for y in range(top, bottom):
-            for x in range(left, right):
-                after = frame[y, x]
-                if after == last[y, x] and head[y, x] < 0:
-                    continue
-                if not abs(after) <= LOG_INTENSITY_MAX:
-                    return keys[:n], y * frame.shape[1] + x
-                change = after - memory[y, x]
-                if -off[y, x] * _ROUNDING < change < on[y, x] * _ROUNDING and ready[y, x] == NEVER and head[y, x] < 0:
-                    last[y, x] = after
-                    continue
-                most = int((abs(after - last[y, x]) + on[y, x] + off[y, x]) / min(on[y, x], off[y, x])) + 2 + len(own)
-                if n + most > len(keys):
-                    longer = np.empty(2 * (n + most), np.int64)
-                    longer[:n] = keys[:n]
-                    keys = longer
-                n = _one_pixel(keys, n, x, y, after, pixels, head, link, own, from_us, span_us, refractory_us)
+    restless = _restless(rectangles, frame, last, low, high)
+    levels = np.empty((_BATCH, 2))
+    for begin in range(0, len(restless), _BATCH):
+        batch = restless[begin : begin + _BATCH]
+        most, fault = _measure(batch, levels, frame, linear, last, states, len(own))
+        if fault >= 0:
+            return keys[:n], fault
+        if n + most > len(keys):
+            longer = np.empty(2 * (n + most), np.int64)
+            longer[:n] = keys[:n]
+            keys = longer
+        for i in range(len(batch)):
+            x, y, first = batch[i] >> 17, batch[i] >> 1 & 0xFFFF, -1
+            if high[y, x] == np.inf:
+                first, head[y, x] = head[y, x], -1
+            if frame[y, x] == last[y, x] and first < 0:
+                continue
+            last[y, x] = frame[y, x]
+            n, _ = one_pixel(
+                keys,
+                n,
+                x,
+                y,
+                levels[i, 0],
+                levels[i, 1],
+                states,
+                link,
+                first,
+                len(own),
+                own,
+                0,
+                from_us,
+                span_us,
+                refractory_us,
+            )
+            low[y, x], high[y, x] = quiet_bounds(states, y, x, linear)
     for i in range(len(own)):
         x, y = own[i].x, own[i].y
         if head[y, x] >= 0:
-            n = _one_pixel(keys, n, x, y, last[y, x], pixels, head, link, own, from_us, span_us, refractory_us)
+            level = _level(last[y, x], linear)
+            n, _ = one_pixel(
+                keys, n, x, y, level, level, states, link, head[y, x], len(own), own, 0, from_us, span_us, refractory_us
+            )
+            low[y, x], high[y, x] = quiet_bounds(states, y, x, linear)
+            head[y, x] = -1
     return keys[:n], -1
 
 
+@njit(cache=True, nogil=True)
+def _restless(rectangles, frame, last, low, high):  # type: ignore[no-untyped-def]
+    """Pixels, as x << 17 | y << 1, whose values are not within their bounds; the values of the others are stored."""
+    found, n = np.empty(1024, np.int64), 0
+    for r in range(len(rectangles)):
+        width = rectangles[r, 2] - rectangles[r, 0]
+        for y in range(rectangles[r, 1], rectangles[r, 3]):
+            if n + width > len(found):
+                longer = np.empty(2 * (n + width), np.int64)
+                longer[:n] = found[:n]
+                found = longer
+            n = _scan(frame, last, low, high, y, rectangles[r, 0], rectangles[r, 2], found, n)
+    return found[:n]
+
+
 @step
-def _one_pixel(keys, n, x, y, after, pixels, head, link, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
-    """Append the events of one pixel, whose log intensity at span_us is `after`, and return the new count."""
-    last, memories, readies, on, off = pixels
-    before, memory, ready = last[y, x], memories[y, x], readies[y, x] - from_us
+def _scan(frame, last, low, high, y, left, right, found, n):  # type: ignore[no-untyped-def]
+    """`_restless` of one row, appended to the first `n` found; returns the new count."""
+    row = np.uint64(y)  # unsigned indices do not count from the end, which takes instructions
+    for x in range(np.uint64(left), np.uint64(right)):
+        if low[row, x] < frame[row, x] and frame[row, x] < high[row, x]:
+            last[row, x] = frame[row, x]
+        else:
+            found[n] = np.int64(x) << 17 | y << 1
+            n += 1
+    return n
+
+
+@step
+def _measure(batch, levels, frame, linear, last, states, own):  # type: ignore[no-untyped-def]
+    """Write the log intensity before and after of each pixel; returns the most events that they can make together, and the
+    index of the first pixel whose log intensity is not allowed, else -1.
+
+    Pixels are independent here, so their memory is fetched in parallel.
+    """
+    most = 0
+    for i in range(len(batch)):
+        x, y = batch[i] >> 17, batch[i] >> 1 & 0xFFFF
+        before, after = _level(last[y, x], linear), _level(frame[y, x], linear)
+        if not abs(after) <= LOG_INTENSITY_MAX:
+            return most, y * frame.shape[1] + x
+        levels[i, 0], levels[i, 1] = before, after
+        most += most_events(states, y, x, abs(after - before), 1) + own
+    return most, -1
+
+
+@step
+def most_events(states, y, x, way, intervals):  # type: ignore[no-untyped-def]
+    """An upper bound for the events of a pixel, without spontaneous ones, whose log intensity goes a way in some intervals."""
+    on, off = states[y, x, _ON], states[y, x, _OFF]
+    return int((way + intervals * (on + off)) / min(on, off)) + 2 * intervals
+
+
+@step
+def _level(value, linear):  # type: ignore[no-untyped-def]
+    """Log intensity of a frame's value; NaN if there is none."""
+    if not linear:
+        return value
+    return logarithm(value) if value > 0.0 else np.nan
+
+
+@njit(cache=True, nogil=True)
+def levels_of(frame, linear):  # type: ignore[no-untyped-def]
+    """Log intensity of each of a frame's values; NaN where there is none."""
+    levels = np.empty_like(frame)
+    for y in range(frame.shape[0]):
+        for x in range(frame.shape[1]):
+            levels[y, x] = _level(frame[y, x], linear)
+    return levels
+
+
+@step
+def quiet_bounds(states, y, x, linear):  # type: ignore[no-untyped-def]
+    """The bounds within which a value of a frame makes no event; (inf, -inf) in the refractory time."""
+    if states[y, x, _READY] != NEVER:
+        return np.inf, -np.inf
+    memory = states[y, x, _MEMORY]
+    low, high = memory - states[y, x, _OFF] * _ROUNDING, memory + states[y, x, _ON] * _ROUNDING
+    if linear:
+        return max(np.exp(low) * (1 + _STRICTER[0]), _LIGHT_MIN), min(np.exp(high) * (1 - _STRICTER[0]), _LIGHT_MAX)
+    return max(low, -LOG_INTENSITY_MAX) + _STRICTER[1], min(high, LOG_INTENSITY_MAX) - _STRICTER[1]
+
+
+@njit(cache=True, nogil=True)
+def begin(frame, levels, linear, on, off):  # type: ignore[no-untyped-def]
+    """Pixels in a steady state on a frame, whose log intensity is `levels`: (last, low, high, states), maps of the sensor: the
+    last frame; the bounds within which the next makes no event; stored log intensity, end of the refractory time (absolute) or
+    `NEVER`, and thresholds."""
+    low, high = np.empty(frame.shape, np.float32), np.empty(frame.shape, np.float32)
+    states = np.zeros((*frame.shape, _STATES))
+    for y in range(frame.shape[0]):
+        for x in range(frame.shape[1]):
+            state = states[y, x]
+            state[_MEMORY], state[_READY], state[_ON], state[_OFF] = levels[y, x], NEVER, on[y, x], off[y, x]
+            low[y, x], high[y, x] = quiet_bounds(states, y, x, linear)
+    return frame.copy(), low, high, states
+
+
+@step
+def one_pixel(  # type: ignore[no-untyped-def]
+    keys, n, x, y, before, after, states, link, first, past, own, begin_us, from_us, span_us, refractory_us
+):
+    """Append the events of one pixel, whose log intensity goes from `before` to `after`, and return the new count and its
+    next spontaneous event; `first` is its first one, or -1, and those from `past` on are later. `begin_us`: of the keys."""
+    memory, ready, on, off = states[y, x, _MEMORY], states[y, x, _READY] - from_us, states[y, x, _ON], states[y, x, _OFF]
     slope = (after - before) / span_us
     address = x << 17 | y << 1
     now = 0.0
-    i = head[y, x]
+    i = first
     while True:
-        until = own[i].t_us if i >= 0 else span_us
-        level = before + slope * until if i >= 0 else after
+        due = 0 <= i < past
+        until = own[i].t_us if due else span_us
+        level = before + slope * until if due else after
         while True:
             if ready != NEVER:
                 if ready > until:
@@ -94,27 +229,27 @@ def _one_pixel(keys, n, x, y, after, pixels, head, link, own, from_us, span_us, 
                 memory = before + slope * max(ready, 0.0)
                 now = max(now, ready)
                 ready = NEVER
-            if level - memory >= on[y, x] * _ROUNDING:
-                p, memory = 1, memory + on[y, x]
-            elif memory - level >= off[y, x] * _ROUNDING:
-                p, memory = 0, memory - off[y, x]
+            if level - memory >= on * _ROUNDING:
+                p, memory = 1, memory + on
+            elif memory - level >= off * _ROUNDING:
+                p, memory = 0, memory - off
             else:
                 break
             if slope != 0.0:
                 now = min(max((memory - before) / slope, now), until)
-            keys[n] = int(now + 0.5) << KEY_T_SHIFT | address | p
+            keys[n] = (begin_us + int(now + 0.5)) << KEY_T_SHIFT | address | p
             n += 1
             if refractory_us > 0:
                 ready = now + refractory_us
-        if i < 0:
+        if not due:
             break
         now = until
         if ready == NEVER:
-            keys[n] = int(now + 0.5) << KEY_T_SHIFT | address | own[i].p
+            keys[n] = (begin_us + int(now + 0.5)) << KEY_T_SHIFT | address | own[i].p
             n += 1
             memory = level
             if refractory_us > 0:
                 ready = now + refractory_us
         i = link[i]
-    last[y, x], memories[y, x], readies[y, x], head[y, x] = after, memory, ready + from_us, -1
-    return n
+    states[y, x, _MEMORY], states[y, x, _READY] = memory, ready + from_us
+    return n, i

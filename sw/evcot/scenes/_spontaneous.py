@@ -6,6 +6,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .._numba_private import njit
+
 __all__ = ["OWN", "Spontaneous"]
 
 OWN = np.dtype([("t_us", "f8"), ("x", "i8"), ("y", "i8"), ("p", "i8")])
@@ -41,14 +43,12 @@ class Spontaneous:
         self._ahead = np.empty(0, OWN)
         self._last_us = 0.0
 
-    def between(self, from_us: int, to_us: int) -> NDArray[np.void]:
-        """The events in (from_us, to_us], of dtype `OWN`, by time, relative to `from_us`; each call must continue where the
-        previous one ended."""
-        own = self._background(to_us)
-        if len(self.hot):
-            own = np.concatenate((own, self._beats(from_us, to_us)))
-            own = own[np.argsort(own["t_us"], kind="stable")]
-        own["t_us"] -= from_us
+    def between(self, times_us: NDArray[np.int64]) -> tuple[NDArray[np.void], NDArray[np.int64]]:
+        """The events in (a, b] of each interval from a time to the next, of dtype `OWN`, by time, relative to a; and the end of
+        each interval in them. Each call must continue where the previous one ended."""
+        own: tuple[NDArray[np.void], NDArray[np.int64]] = _with_beats(
+            self._background(int(times_us[-1])), self.hot, self._hot_p, self._phase_us, self._period_us, times_us
+        )
         return own
 
     def _background(self, to_us: int) -> NDArray[np.void]:
@@ -72,14 +72,31 @@ class Spontaneous:
         chunk["p"] = np.where(leak, 1, self._random.integers(0, 2, _CHUNK))
         return chunk
 
-    def _beats(self, from_us: int, to_us: int) -> NDArray[np.void]:
-        first, past = (
-            np.maximum(np.floor((t_us - self._phase_us) / self._period_us).astype(np.int64) + 1, 0) for t_us in (from_us, to_us)
-        )
-        counts = past - first
-        pixel = np.repeat(np.arange(len(counts)), counts)
-        beat = np.arange(len(pixel)) - np.repeat(np.cumsum(counts) - past, counts)
-        beats = np.empty(len(pixel), OWN)
-        beats["t_us"] = np.clip(self._phase_us[pixel] + beat * self._period_us, from_us, to_us)
-        beats["x"], beats["y"], beats["p"] = self.hot[pixel, 0], self.hot[pixel, 1], self._hot_p[pixel]
-        return beats
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _with_beats(background, hot, polarity, phase_us, period_us, times_us):  # type: ignore[no-untyped-def]
+    """Background events together with those of hot pixels, as `between` returns them; of equal times, those of hot pixels come
+    last."""
+    beats = np.empty((len(hot), len(times_us)), np.int64)  # of each hot pixel, the first after each time
+    for i in range(len(hot)):
+        for k in range(len(times_us)):
+            beats[i, k] = max(int(np.floor((times_us[k] - phase_us[i]) / period_us)) + 1, 0)
+    own = np.empty(len(background) + (beats[:, -1] - beats[:, 0]).sum(), background.dtype)
+    ends = np.empty(len(times_us) - 1, np.int64)
+    n, taken = 0, 0
+    for k in range(len(ends)):
+        begin, from_us, to_us = n, times_us[k], times_us[k + 1]
+        while taken < len(background) and background[taken].t_us <= to_us:
+            own[n] = background[taken]
+            n, taken = n + 1, taken + 1
+        for i in range(len(hot)):
+            for beat in range(beats[i, k], beats[i, k + 1]):
+                own[n].t_us = min(max(phase_us[i] + beat * period_us, from_us), to_us)
+                own[n].x, own[n].y, own[n].p = hot[i, 0], hot[i, 1], polarity[i]
+                n += 1
+        if len(hot):
+            own[begin:n] = own[begin:n][np.argsort(own[begin:n]["t_us"], kind="mergesort")]
+        for i in range(begin, n):
+            own[i].t_us -= from_us
+        ends[k] = n
+    return own, ends

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..ranges import Range
+from ._flight_kernel import bounce
 from .scene import Scene
-from .shapes import discs
-from .stage import StageSettings, film, texture
+from .shapes import X, Y, discs
+from .stage import StageSettings, SteadyStage, film, texture
 from .truth import TRUTH
 
 __all__ = ["Discs", "Ways", "simulate"]
@@ -60,9 +61,7 @@ def simulate(settings: Discs) -> Scene:
     return film(_Stage(settings), settings)
 
 
-class _Stage:
-    steady = True
-
+class _Stage(SteadyStage):
     def __init__(self, settings: Discs) -> None:
         random = np.random.default_rng(settings.seed)
         count, radius = settings.count, settings.radius_px
@@ -70,36 +69,34 @@ class _Stage:
         self._numbers = np.arange(count)
         self.background = texture(settings, random, 3.0, 0.05)
         brighter = random.permutation(count) % 2 == 0
-        self._intensity = np.exp(np.where(brighter, 1.0, -1.0) * settings.contrast)
+        intensity = np.exp(np.where(brighter, 1.0, -1.0) * settings.contrast)
+        self._still = discs(self._numbers, np.zeros(count), 0.0, radius, intensity)
         speed = settings.speed_px_s * (1 + settings.speed_spread * random.uniform(-1, 1, count))
         angle = random.uniform(0, 2 * np.pi, count)
-        self._low = np.array([[radius - 0.5], [radius - 0.5]])
-        self._room = np.array([[settings.width - 2 * radius], [settings.height - 2 * radius]])
-        self._start = random.uniform(0, 1, (2, count)) * self._room
+        self._low = np.full(2, radius - 0.5)
+        self._room = np.array([settings.width - 2 * radius, settings.height - 2 * radius])
+        self._start = random.uniform(0, 1, (2, 1, count)) * self._room[:, None, None]
         if settings.ways == "separate":
             angle = np.where(np.cos(angle) > 0, 0.0, np.pi)
-            self._start[1] = (np.arange(count) + 0.5) * settings.height / count - radius
-        self._speed = speed * np.stack((np.cos(angle), np.where(angle == np.pi, 0.0, np.sin(angle))))
+            self._start[1, 0] = (np.arange(count) + 0.5) * settings.height / count - radius
+        self._speed = speed * np.stack((np.cos(angle), np.where(angle == np.pi, 0.0, np.sin(angle))))[:, None]
 
-    def _motion(self, t_us: float | NDArray[np.int64]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """Centres and velocities along each axis, (..., count): straight motion, reflected at the walls."""
-        t_s = np.asarray(t_us)[..., None] * 1e-6
-        for start, speed, low, room in zip(self._start, self._speed, self._low, self._room, strict=True):
-            way = (start + speed * t_s) % (2 * room)
-            back = way > room
-            yield low + np.where(back, 2 * room - way, way), np.where(back, -speed, speed)
+    def _motion(self, t_us: float | NDArray[np.int64]) -> Iterator[NDArray[np.float64]]:
+        """Centres and velocities, (2, ..., count): straight motion, reflected at the walls."""
+        for motion in bounce(np.atleast_1d(t_us) * 1e-6, np.zeros(1), self._start, self._speed, self._room, self._low):
+            yield motion.reshape(2, *np.shape(t_us), -1)
 
     def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
-        (x, _), (y, _) = self._motion(t_us)
-        return discs(self._numbers, x, y, self._radius, self._intensity)
+        places, _ = self._motion(t_us)
+        shapes = np.empty((*places.shape[1:], self._still.shape[1]))
+        shapes[...] = self._still
+        shapes[..., X], shapes[..., Y] = places
+        return shapes
 
     def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
-        (x, vx), (y, vy) = self._motion(t_us)
+        (x, y), (vx, vy) = self._motion(t_us)
         objects = np.zeros(x.shape, TRUTH)
         objects["object_id"] = self._numbers
         objects["x"], objects["y"], objects["vx"], objects["vy"] = x, y, vx, vy
         objects["width"] = objects["height"] = 2 * self._radius
         return objects
-
-    def shift(self, _t_us: float) -> tuple[float, float]:
-        return 0.0, 0.0

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ranges import Range
+from ._highway_kernel import MARGIN_PX, project_each
 from ._vehicles import FACES, SHADOW, outline
 from .pixel import PixelModel
 from .planted import KINDS, Road, plant
 from .scene import Scene
-from .shapes import quadrangles
-from .stage import StageSettings, film, texture
+from .stage import Moments, StageSettings, film, texture
 from .traffic import story, traffic
 from .truth import TRUTH, Label
 
@@ -30,8 +30,6 @@ __all__ = ["Highway", "simulate"]
 _WIDTH = 346  # sensor width for which the next three are given; scaled for other sensors
 _FOCAL_PX = 1_000.0
 _VANISHING_PX = 150.0, -54.0
-_LEAST_M = 2.0  # minimum distance for projection
-_MARGIN_PX = 4.0  # distance outside the sensor at which a vehicle is created
 
 
 def _pixel() -> PixelModel:
@@ -87,8 +85,6 @@ def simulate(settings: Highway) -> Scene:
 
 
 class _Stage:
-    steady = False  # vehicles come and go
-
     def __init__(self, settings: Highway) -> None:
         random = np.random.default_rng(settings.seed)
         scale = settings.width / _WIDTH
@@ -97,8 +93,8 @@ class _Stage:
         self._height_m = settings.camera_height_m
         self._sensor = settings.width, settings.height
         reach = self._focal * self._height_m
-        self._near_m = reach / (settings.height + _MARGIN_PX - self._vanishing_y)
-        self._far_m = reach / (-_MARGIN_PX - self._vanishing_y)
+        self._near_m = reach / (settings.height + MARGIN_PX - self._vanishing_y)
+        self._far_m = reach / (-MARGIN_PX - self._vanishing_y)
         self.background = texture(settings, random, 1.0, 0.03)
         duration_s, speed_m_s = settings.duration_us * 1e-6, settings.speed_m_s
         told = story(duration_s, speed_m_s) if settings.story else []
@@ -116,26 +112,23 @@ class _Stage:
         parts, log_intensity = outline(vehicles.is_lorry, settings.contrast * tones, settings.contrast)
         self._intensity = np.exp(log_intensity)
         size_m = np.stack((vehicles.width_m, vehicles.height_m, vehicles.length_m), axis=1)
-        self._corners_m = parts * size_m[:, None, None, :]
-        self._kept: tuple[float, tuple[NDArray[Any], ...]] | None = None
+        self._corners_m = np.ascontiguousarray(parts * size_m[:, None, None, :])
+        self._size_m = np.ascontiguousarray(size_m[:, 1:])
 
     def shapes(self, t_us: float) -> NDArray[np.float64]:
-        seen, x, y, _, _ = self._project(t_us)
-        objects = np.repeat(seen, FACES)
-        return quadrangles(objects, x.reshape(-1, 4), y.reshape(-1, 4), self._intensity[seen].ravel())
+        return self._project(np.array([t_us]))[2]
 
     def objects(self, t_us: float) -> NDArray[np.void]:
-        seen, *corners = self._project(t_us)
-        x, y, vx, vy = (part[:, SHADOW + 1 :].reshape(len(seen), 4 * (FACES - SHADOW - 1)) for part in corners)
+        return self.moments(np.array([t_us])).objects
+
+    def moments(self, times_us: NDArray[Any]) -> Moments:
+        ends, seen, shapes, boxes = self._project(times_us)
+        by_id = np.lexsort((seen, np.repeat(np.arange(len(ends)), np.diff(ends, prepend=0))))
         objects = np.zeros(len(seen), TRUTH)
-        objects["object_id"] = seen
-        rows = np.arange(len(seen))
-        for place, size, speed, at, moves in (("x", "width", "vx", x, vx), ("y", "height", "vy", y, vy)):
-            low, high = at.argmin(axis=1), at.argmax(axis=1)
-            objects[place] = (at[rows, low] + at[rows, high]) / 2
-            objects[size] = at[rows, high] - at[rows, low]
-            objects[speed] = (moves[rows, low] + moves[rows, high]) / 2
-        return objects[np.argsort(seen)]
+        objects["object_id"] = seen[by_id]
+        for name, values in zip(("x", "y", "width", "height", "vx", "vy"), boxes[by_id].T, strict=True):
+            objects[name] = values
+        return Moments(shapes, ends * FACES, objects, ends)
 
     def labels(self, samples: NDArray[np.void]) -> tuple[Label, ...]:
         """Labels of the planted anomalies while they are visible."""
@@ -147,31 +140,13 @@ class _Stage:
                 labels.append(Label(object_id, planted.kind, int(t_us[0]), int(t_us[-1])))
         return tuple(labels)
 
-    def _project(self, t_us: float) -> tuple[NDArray[Any], ...]:
-        """`_projected`, kept for the shapes and objects of the same time."""
-        if self._kept is None or self._kept[0] != t_us:
-            self._kept = t_us, self._projected(t_us)
-        return self._kept[1]
-
-    def _projected(self, t_us: float) -> tuple[NDArray[Any], ...]:
-        """The vehicles in the picture, the farthest first; positions and speeds of their corners in it, (n, FACES, 4) each."""
-        now = self._traffic.at(t_us * 1e-6)
-        near_m = self._near_m * (1 - self._traffic.height_m / self._height_m) - self._traffic.length_m
-        seen = np.flatnonzero((now.along_m > np.maximum(near_m, _LEAST_M)) & (now.along_m < self._far_m))
-        seen = seen[np.argsort(-now.along_m[seen], kind="stable")]
-        corners_m = self._corners_m[seen]
-        across_m = corners_m[..., 0] + now.across_m[seen, None, None]
-        up_m = corners_m[..., 1]
-        along_m = corners_m[..., 2] + now.along_m[seen, None, None]
-        scale = self._focal / along_m
-        recedes = now.along_m_s[seen, None, None] / along_m
-        x, y = scale * across_m, scale * (self._height_m - up_m)
-        vx, vy = scale * now.across_m_s[seen, None, None] - recedes * x, -recedes * y
-        x, y = x + self._vanishing_x, y + self._vanishing_y
-        width, height = self._sensor
-        inside = (x.max(axis=(1, 2)) > -_MARGIN_PX) & (x.min(axis=(1, 2)) < width + _MARGIN_PX)
-        inside &= (y.max(axis=(1, 2)) > -_MARGIN_PX) & (y.min(axis=(1, 2)) < height + _MARGIN_PX)
-        return seen[inside], x[inside], y[inside], vx[inside], vy[inside]
+    def _project(self, times_us: NDArray[Any]) -> tuple[NDArray[Any], ...]:
+        """See `project_each`."""
+        projected: tuple[NDArray[Any], ...] = project_each(
+            times_us * 1e-6, self._traffic.motions, self._size_m, self._corners_m, self._intensity, self._focal,
+            (self._vanishing_x, self._vanishing_y), self._height_m, (self._near_m, self._far_m), self._sensor, SHADOW + 1,
+        )  # fmt: skip
+        return projected
 
     def shift(self, _t_us: float) -> tuple[float, float]:
         return 0.0, 0.0

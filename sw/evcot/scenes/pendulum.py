@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ..ranges import Range
 from .scene import Scene
-from .shapes import discs, quadrangles
-from .stage import StageSettings, film, texture
+from .shapes import X, Y, discs, quadrangles
+from .stage import StageSettings, SteadyStage, film, texture
 from .truth import TRUTH
 
 __all__ = ["BOB", "ROD", "Pendulum", "simulate"]
@@ -65,38 +65,43 @@ def simulate(settings: Pendulum) -> Scene:
     return film(_Stage(settings), settings)
 
 
-class _Stage:
-    steady = True
-
+class _Stage(SteadyStage):
     def __init__(self, settings: Pendulum) -> None:
         self._settings = settings
         self._pivot = (settings.width - 1) / 2, -0.5
-        self._intensity = float(np.exp(-settings.contrast))
+        intensity = float(np.exp(-settings.contrast))
+        self._first, self._turn = np.radians(settings.angle_deg), 2 * np.pi / settings.period_s
+        nowhere = np.zeros((1, 4))
+        rod, bob = quadrangles(ROD, nowhere, nowhere, intensity), discs(BOB, [0.0], 0.0, settings.bob_px, intensity)
+        self._still = np.concatenate((rod, bob))
         self.background = texture(settings, np.random.default_rng(settings.seed), 3.0, 0.05)
+
+    def _angle(self, t_us: float | NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Size of the swing and angle, in radians, (..., 1)."""
+        t_s = np.asarray(t_us)[..., None] * 1e-6
+        size = self._first * np.exp(-t_s / self._settings.damping_s)
+        return size, size * np.cos(self._turn * t_s)
 
     def _swing(self, t_us: float | NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Angle and angular velocity, in radians and radians per second, (..., 1)."""
-        settings, t_s = self._settings, np.asarray(t_us)[..., None] * 1e-6
-        turn = 2 * np.pi / settings.period_s
-        size = np.radians(settings.angle_deg) * np.exp(-t_s / settings.damping_s)
-        angle = size * np.cos(turn * t_s)
-        return angle, -angle / settings.damping_s - size * turn * np.sin(turn * t_s)
+        (size, angle), turn = self._angle(t_us), self._turn
+        t_s = np.asarray(t_us)[..., None] * 1e-6
+        return angle, -angle / self._settings.damping_s - size * turn * np.sin(turn * t_s)
 
     def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
         settings, (pivot_x, pivot_y) = self._settings, self._pivot
-        angle, _ = self._swing(t_us)
+        _, angle = self._angle(t_us)
         sine, cosine, half = np.sin(angle), np.cos(angle), settings.rod_px / 2
-        corners = np.empty((2, *angle.shape, 4))
-        ends = []
-        for axis, pivot, side, along in (
-            (0, pivot_x, cosine * half, sine * settings.length_px),
-            (1, pivot_y, -sine * half, cosine * settings.length_px),
+        shapes = np.empty((*angle.shape[:-1], *self._still.shape))
+        shapes[...] = self._still
+        rod, bob = shapes[..., 0, :], shapes[..., 1, :]
+        for first, pivot, side, along in (
+            (X, pivot_x, cosine * half, sine * settings.length_px),
+            (Y, pivot_y, -sine * half, cosine * settings.length_px),
         ):
-            corners[axis, ..., 0], corners[axis, ..., 1] = side + pivot, side + along + pivot
-            corners[axis, ..., 2], corners[axis, ..., 3] = along - side + pivot, -side + pivot
-            ends.append(pivot + along)
-        rod = quadrangles(ROD, corners[0], corners[1], self._intensity)
-        return np.concatenate((rod, discs(BOB, ends[0], ends[1], settings.bob_px, self._intensity)), axis=-2)
+            rod[..., first : first + 4] = np.concatenate((side, side + along, along - side, -side), axis=-1) + pivot
+            bob[..., first] = pivot + along[..., 0]
+        return shapes
 
     def objects(self, t_us: float | NDArray[np.int64]) -> NDArray[np.void]:
         settings, (pivot_x, pivot_y) = self._settings, self._pivot
@@ -112,6 +117,3 @@ class _Stage:
         objects["width"][..., ROD] = length * abs(sine) + settings.rod_px * cosine
         objects["height"][..., ROD] = length * cosine + settings.rod_px * abs(sine)
         return objects
-
-    def shift(self, _t_us: float) -> tuple[float, float]:
-        return 0.0, 0.0

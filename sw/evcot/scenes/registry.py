@@ -6,15 +6,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import ConfigError
+from ..errors import ConfigError, RecordingError, meant
 from ..ranges import read_value
 
 if TYPE_CHECKING:
     from .scene import Scene
 
-__all__ = ["SCENES", "SceneKind", "adjusted", "scene_settings", "simulate_scene"]
+__all__ = ["SCENES", "SceneKind", "adjusted", "check_source", "scene_settings", "simulate_scene"]
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,13 @@ SCENES: dict[str, SceneKind] = {
     "pendulum": SceneKind("a damped pendulum: a bob on a rod", "pendulum", "Pendulum"),
     "shake": SceneKind("boxes before a textured wall, seen by a trembling camera", "shake", "Shake"),
 }
+
+
+def check_source(name: str) -> None:
+    """Raise RecordingError for a name that is neither that of a file or folder nor that of a scene."""
+    if not Path(name).exists() and name not in SCENES:
+        scenes = f"nor is it a scene, one of {', '.join(SCENES)}{meant(name, SCENES)}"
+        raise RecordingError(f"{name}: cannot be read: No such file or directory; {scenes}")
 
 
 def simulate_scene(name: str, seed: int = 1, overrides: Mapping[str, Any] | None = None) -> Scene:

@@ -17,7 +17,7 @@ from ..errors import ConfigError
 from ..ranges import Range
 from .scene import Scene
 from .shapes import quadrangles
-from .stage import MARGIN_PX, StageSettings, film, texture
+from .stage import MARGIN_PX, StageSettings, SteadyStage, film, texture
 from .truth import TRUTH
 
 __all__ = ["Shake", "simulate"]
@@ -66,9 +66,7 @@ def simulate(settings: Shake) -> Scene:
     return film(_Stage(settings), settings)
 
 
-class _Stage:
-    steady = True
-
+class _Stage(SteadyStage):
     def __init__(self, settings: Shake) -> None:
         random = np.random.default_rng(settings.seed)
         self._settings = settings

@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ._highway_kernel import motion_at
+
 __all__ = [
     "LEFT_M",
     "MIDDLE_M",
@@ -76,37 +78,28 @@ class Motion(NamedTuple):
 
 
 class Traffic:
-    """All vehicles of a scene; (n,) arrays `is_lorry`, `width_m`, `height_m`, `length_m`, as in `Vehicle`."""
+    """All vehicles of a scene; (n,) arrays `is_lorry`, `width_m`, `height_m`, `length_m`, as in `Vehicle`; and `motions`, the
+    arguments of `motion_at` but the time."""
 
     def __init__(self, vehicles: Sequence[Vehicle]) -> None:
-        self.is_lorry = np.array([vehicle.is_lorry for vehicle in vehicles])
-        self.width_m, self.height_m, self.length_m, self._across_m = (
+        self.is_lorry = np.array([vehicle.is_lorry for vehicle in vehicles], np.bool_)
+        self.width_m, self.height_m, self.length_m, across_m = (
             np.array([getattr(vehicle, name) for vehicle in vehicles])
             for name in ("width_m", "height_m", "length_m", "across_m")
         )
-        self._stretches = _padded([vehicle.stretches for vehicle in vehicles], Stretch(np.inf, 0.0, 0.0))
-        self._changes = _padded([vehicle.changes for vehicle in vehicles], LaneChange(np.inf, 1.0, 0.0))
-        self._rows = np.arange(len(vehicles))
+        stretches = _padded([vehicle.stretches for vehicle in vehicles], Stretch(np.inf, 0.0, 0.0))
+        changes = _padded([vehicle.changes for vehicle in vehicles], LaneChange(np.inf, 1.0, 0.0))
+        self.motions = stretches, changes, across_m
 
     def at(self, t_s: float) -> Motion:
         """Exact positions and speeds at a time."""
-        current = np.maximum((self._stretches[:, :, 0] <= t_s).sum(axis=1) - 1, 0)
-        begin_s, along_m, speed_m_s, acceleration = self._stretches[self._rows, current].T
-        elapsed_s = t_s - begin_s
-        begin_s, lasts_s, by_m = (self._changes[:, :, i] for i in range(3))
-        part = np.clip((t_s - begin_s) / lasts_s, 0.0, 1.0)
-        return Motion(
-            self._across_m + (by_m * part**2 * (3 - 2 * part)).sum(axis=1),
-            along_m + elapsed_s * (speed_m_s + elapsed_s * acceleration / 2),
-            (by_m * 6 * part * (1 - part) / lasts_s).sum(axis=1),
-            speed_m_s + elapsed_s * acceleration,
-        )
+        return Motion(*motion_at(*self.motions, t_s).T)
 
 
 def _padded(ways: Sequence[Sequence[tuple[float, ...]]], filler: tuple[float, ...]) -> NDArray[np.float64]:
     """(n, longest, fields), with the shorter ones padded."""
-    most = max(1, max(map(len, ways)))
-    return np.array([[*way, *[filler] * (most - len(way))] for way in ways])
+    most = max(map(len, ways), default=1) or 1
+    return np.array([[*way, *[filler] * (most - len(way))] for way in ways], np.float64).reshape(len(ways), most, len(filler))
 
 
 def traffic(

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from ..errors import ConfigError, meant
+from ..errors import ConfigError, EvcotError, meant
 from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, MotionConfig, SlotConfig, with_module
 from ..hardware.contract import Shape
@@ -21,7 +21,16 @@ from ..toml_file import read_toml
 from .adaptive.config import AdaptiveConfig
 from .rct.config import RctConfig
 
-__all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "module_in", "run_config_from", "tracker_from"]
+__all__ = [
+    "RunConfig",
+    "Software",
+    "load_toml",
+    "load_tracker",
+    "module_in",
+    "run_config_from",
+    "tracker_from",
+    "with_settings",
+]
 
 Software = Literal["adaptive", "rct"]
 
@@ -171,7 +180,22 @@ def tracker_from(
     """As `load_tracker`, of tables that were read already; `folder` is that of their file."""
     data = _section(tables, {name, "filters"}, "top level")
     own = _section(_table(data, name, "top level"), _names(type(settings)), f"[{name}]")
-    return replace(settings, **own), _filters(filters, _table(data, "filters", "top level"), folder)
+    return with_settings(name, settings, own), _filters(filters, _table(data, "filters", "top level"), folder)
+
+
+def with_settings(name: str, settings: Any, changes: Mapping[str, Any]) -> Any:
+    """The settings of a software tracker with other values, which may be another package's to check.
+
+    Raises:
+        ConfigError: a value that the settings refuse.
+    """
+    try:
+        return replace(settings, **changes)
+    except EvcotError:
+        raise
+    except Exception as error:
+        given = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
+        raise ConfigError(f"{name}: {given}: {type(error).__name__}: {' '.join(str(error).split())}") from error
 
 
 @contextmanager

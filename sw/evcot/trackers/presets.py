@@ -11,8 +11,8 @@ from ..hardware.config import CotConfig, MotionConfig, SlotConfig, with_module
 from ..hardware.contract import Shape
 from ..hardware.modules import DEFAULT_MODULE, Module
 from .config import RunConfig
+from .rct.config import PRESETS as RCT_PRESETS
 from .rct.config import RctConfig
-from .rct.presets import PRESETS as RCT_PRESETS
 
 __all__ = ["MOTION", "PRESETS", "fit", "for_sensor", "preset", "presets_of", "run_config"]
 

@@ -13,7 +13,7 @@ from ..filters.config import FilterConfig
 from ..hardware.config import MotionConfig
 from ..hardware.modules import DEFAULT_MODULE, MODULES
 from ..recordings.formats.source import Sensor
-from .config import RunConfig, load_toml, load_tracker
+from .config import RunConfig, load_toml, load_tracker, with_settings
 from .engines import ENGINES
 from .presets import for_sensor
 
@@ -80,9 +80,10 @@ def changed(engine: str, settings: Any, changes: Mapping[str, Any]) -> Any:
     known = changeable(engine, settings)
     for key in changes:
         if key not in known:
-            raise ConfigError(f"{engine}.{key}: no such setting: must be one of {', '.join(known)}{meant(key, known)}")
+            rule = f"must be one of {', '.join(known)}{meant(key, known)}" if known else f"engine {engine} has none"
+            raise ConfigError(f"{engine}.{key}: no such setting: {rule}")
     if isinstance(settings, RunConfig):
         hardware = settings.hardware
         assert isinstance(hardware, MotionConfig)
         return replace(settings, hardware=replace(hardware, registers=replace(hardware.registers, **changes)))
-    return replace(settings, **changes)
+    return with_settings(engine, settings, changes)

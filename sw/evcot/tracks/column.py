@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._zstd import zstd
-from ..errors import OutputError
+from ..errors import OutputError, TrackLogError, reason_of
 
 __all__ = ["Column", "GrowingColumn", "HeldColumn", "PackedColumn", "in_runs"]
 
@@ -82,7 +82,8 @@ class PackedColumn:
         length: values that it is cut back to; it must have been flushed when it had so many.
 
     Raises:
-        OutputError: the file cannot be written, or does not hold `length` values.
+        OutputError: the file cannot be written.
+        TrackLogError: it does not hold `length` values.
     """
 
     def __init__(self, path: Path, dtype: np.dtype[Any], length: int = 0) -> None:
@@ -122,7 +123,8 @@ class PackedColumn:
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        with self._named():  # what is buffered may find the disk full
+            self._file.close()
 
     def __len__(self) -> int:
         return self._length
@@ -149,7 +151,7 @@ class PackedColumn:
             header = self._file.read(_HEADER.size)
             count, size = _HEADER.unpack(header) if len(header) == _HEADER.size else (0, 0)
             if not count or self._packed + count > length or self._end + _HEADER.size + size > self._path.stat().st_size:
-                raise OutputError(f"{self._path}: holds {self._packed} values: must hold {length}, as at its checkpoint")
+                raise TrackLogError(f"{self._path}: holds {self._packed} values: must hold {length}, as at its checkpoint")
             self._note(count, size)
         self._length = length
 
@@ -189,8 +191,8 @@ class PackedColumn:
 
     @contextmanager
     def _named(self) -> Iterator[None]:
-        """OutputError, which names the file, where the disk is full."""
+        """OutputError, which names the file, where the system refuses."""
         try:
             yield
         except OSError as error:
-            raise OutputError(f"{self._path}: cannot be written: {error.strerror or error}") from error
+            raise OutputError(f"{self._path}: cannot be written: {reason_of(error, self._path)}") from error

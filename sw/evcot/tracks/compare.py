@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from .column import Column, GrowingColumn, HeldColumn, PackedColumn, in_runs
 from .log import TrackLog
-from .merge_pairs import pair_merges
-from .pairing import closest_pairs, within
 from .timeline import MERGE, OPEN, FoundAgain, alive, lifetimes, merges, sample
-from .track_pairs import ROW, PairedTracks, pair_tracks
+from .track_pairs import ROW, PairedTracks, closest_pairs, pair_merges, pair_tracks, within
 
 __all__ = ["Agreement", "Comparison", "MergePair", "TrackPair", "compare"]
 

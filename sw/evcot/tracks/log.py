@@ -3,18 +3,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dataframes import pandas_frame, polars_frame
+from .log_files import save_log, write_csv, write_npz
 from .npz import NpzFile
 from .parquet import LogFile
 from .record import DROPPED, TRACK, Kind
 from .suffixes import PARQUET
-from .writing import save_log, write_csv, write_npz
+from .track import Tracks
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    from matplotlib.figure import Figure
+
+    from ..events import Recording
 
 __all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
 
@@ -55,6 +67,45 @@ class TrackLog:
         """The records of one kind, (k,) of dtype `TRACK`."""
         chosen: NDArray[np.void] = self.records[self.records["kind"] == kind]
         return chosen
+
+    @cached_property
+    def tracks(self) -> Tracks:
+        """The tracks as objects, in order of birth."""
+        return Tracks(self.records)
+
+    def plot(self, recording: Recording | None = None, panels: Sequence[str] = ("tracks",)) -> Figure:
+        """Draw the tracks as a figure of Matplotlib, which a notebook shows; `evcot.plot` writes one with several logs.
+
+        Args:
+            recording: the recording of the log, whose events are drawn in grey; None: the tracks alone.
+            panels: names of `evcot plot --kind`, from top to bottom.
+
+        Raises:
+            ConfigError: no such panel, or the log has more events than the recording.
+        """
+        figure: Figure = resolve_name("evcot.pictures.picture:log_figure")(self, recording, panels)
+        return figure
+
+    def _repr_html_(self) -> str:
+        """The log in a notebook: a line, and a picture of its tracks."""
+        shown: str = resolve_name("evcot.pictures.picture:log_html")(self)
+        return shown
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The records, one row each, with the fields of `TRACK` as columns; `kind` is the number of a `Kind`.
+
+        Raises:
+            ConfigError: pandas is not installed.
+        """
+        return pandas_frame({name: self.records[name] for name in TRACK.names or ()})
+
+    def to_polars(self) -> polars.DataFrame:
+        """As `to_pandas`.
+
+        Raises:
+            ConfigError: Polars is not installed.
+        """
+        return polars_frame({name: self.records[name] for name in TRACK.names or ()})
 
     def record_runs(self) -> Iterator[NDArray[np.void]]:
         """All records, run by run, as `reading.RecordRuns`."""

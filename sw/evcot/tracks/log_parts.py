@@ -8,18 +8,20 @@ positions, merges and how far a track has travelled are those of the whole log.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .column import Column
+from .column import Column, in_runs
 from .log import TRACK, Kind, TrackLog
 from .spool import LogColumns
-from .timeline import OPEN, by_life, lifetimes
+from .timeline import OPEN, SAMPLE, by_life, expiring, lifetimes, sample
 
-__all__ = ["LogParts", "in_step", "runs_of"]
+__all__ = ["LogParts", "Window", "in_step", "life_lengths", "runs_of", "sampled", "windows"]
+
 
 _OWNERS, _RECORDS = 1 << 16, 1 << 14  # of a run
 _BEFORE = -(1 << 62)  # `event_index` of what was before the part
@@ -128,3 +130,96 @@ def _past(log: TrackLog) -> NDArray[np.void]:
     past = np.concatenate([rows[lives["ended"] == OPEN] for rows in (born, corner, newest)])
     past["kind"], past["event_index"] = Kind.MOVED, _BEFORE
     return past
+
+
+_EVER_US = 1 << 61
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """A log in which states expire, complete for the times from `from_us` up to, without, `until_us`."""
+
+    from_us: int
+    until_us: int
+    states: TrackLog
+
+
+def windows(runs: Iterable[NDArray[np.void]], max_age_us: int) -> Iterator[Window]:
+    """Cut the whole of time into windows.
+
+    Args:
+        runs: records in time order, see `reading.RecordRuns`.
+        max_age_us: as of `timeline.expiring`.
+    """
+    newest, from_us = np.empty(0, TRACK), -_EVER_US
+    for records in runs:
+        if not len(records):
+            continue
+        every, until_us = np.concatenate((newest, records)), int(records["t_us"][-1])
+        yield Window(from_us, until_us, _expiring(every, max_age_us))
+        newest, from_us = _newest(every, until_us - max_age_us), until_us
+    yield Window(from_us, _EVER_US, _expiring(newest, max_age_us))
+
+
+def sampled(runs: Iterable[NDArray[np.void]], times_us: NDArray[np.int64], max_age_us: int) -> NDArray[np.void]:
+    """As `timeline.sample` of the log in which states expire, at (k,) ascending times."""
+    parts = [np.empty(0, SAMPLE)]
+    for window in windows(runs, max_age_us):
+        first, past = np.searchsorted(times_us, (window.from_us, window.until_us))
+        if first < past:
+            own = sample(window.states, times_us[first:past])
+            own["sample"] += first
+            parts.append(own)
+    return np.concatenate(parts)
+
+
+def _expiring(records: NDArray[np.void], max_age_us: int) -> TrackLog:
+    return expiring(TrackLog("", records, np.empty(0, np.int16)), max_age_us)
+
+
+def _newest(records: NDArray[np.void], since_us: int) -> NDArray[np.void]:
+    """The last record of each track that has not ended, unless it is older."""
+    order = np.argsort(records["track_id"], kind="stable")
+    track_id = records["track_id"][order]
+    last = records[order[np.append(track_id[1:] != track_id[:-1], True)[: len(order)]]]
+    kept: NDArray[np.void] = last[(last["kind"] <= Kind.MOVED) & (last["t_us"] >= since_us)]
+    return kept
+
+
+_DIGIT = 16  # bits that one pass finds
+
+
+def life_lengths(lives: Column) -> dict[str, Any]:
+    """`tracks`, `lost`, `median_s`, `longest_s` of lives, of dtype `timeline.LIFE` or `track_pairs.ROW`; None without any."""
+    count, lost, longest_us = len(lives), 0, 0
+    for _, run in in_runs(lives):
+        lost += int(np.count_nonzero(run["ended"] == Kind.LOST))
+        longest_us = max(longest_us, int(_lengths_us(run).max()))
+    middle_us = [_in_order(lives, place, longest_us) for place in {(count - 1) // 2, count // 2}] if count else []
+    return {
+        "tracks": count,
+        "lost": lost,
+        "median_s": float(np.mean(np.array(middle_us) / 1e6)) if count else None,
+        "longest_s": longest_us / 1e6 if count else None,
+    }
+
+
+def _lengths_us(lives: NDArray[np.void]) -> NDArray[np.int64]:
+    return np.asarray(lives["end_us"] - lives["birth_us"], np.int64)
+
+
+def _in_order(lives: Column, place: int, longest_us: int) -> int:
+    """The length at a place, if lengths were in order: digit by digit, the highest first."""
+    found = 0
+    for digit in reversed(range(-(-longest_us.bit_length() // _DIGIT))):
+        shift = digit * _DIGIT
+        counts = np.zeros(1 << _DIGIT, np.int64)
+        for _, run in in_runs(lives):
+            lengths_us = _lengths_us(run)
+            same = lengths_us[lengths_us >> (shift + _DIGIT) == found >> (shift + _DIGIT)]
+            counts += np.bincount(same >> shift & (1 << _DIGIT) - 1, minlength=1 << _DIGIT)
+        so_far = np.cumsum(counts)
+        value = int(np.searchsorted(so_far, place, "right"))
+        place -= int(so_far[value - 1]) if value else 0
+        found |= value << shift
+    return found

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The output of a tracker: records of its tracks, and owners of the events."""
+"""The output of a tracker, records of its tracks and owners of the events; and the rules that every log's records keep."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["DROPPED", "TRACK", "Kind"]
+from ..errors import TrackLogError
+
+__all__ = ["BEGIN_US", "DROPPED", "TRACK", "Kind", "check_records"]
+
 
 DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
 
@@ -42,3 +46,37 @@ TRACK = np.dtype(
         ("other_id", "<i8"),
     ]
 )
+
+
+BEGIN_US = -(2**60)  # the earliest time of a record
+_PIXELS_MAX = 1e9
+
+
+def check_records(records: NDArray[np.void], first: int = 0, since_us: int = BEGIN_US) -> None:
+    """Validate records.
+
+    Args:
+        first, since_us: of a part of a log, the number of records before it, and the time of the last of them.
+
+    Raises:
+        TrackLogError: a record that is out of order in time, of unknown kind, or without a valid position, box, velocity or
+            confidence.
+    """
+    t_us = records["t_us"]
+    rules = (
+        ("t_us", (t_us >= BEGIN_US) & (t_us <= -BEGIN_US), "must be from -2^60 to 2^60"),
+        ("t_us", np.append(t_us[:1] >= since_us, t_us[1:] >= t_us[:-1]), "must not be before the record before it"),
+        ("kind", np.isin(records["kind"], list(Kind)), f"must be from 0 to {max(Kind):d}"),
+        *(
+            (name, np.abs(records[name]) <= _PIXELS_MAX, f"must be a number of at most {_PIXELS_MAX:g}")
+            for name in ("x", "y", "radius", "vx", "vy", "angle")
+        ),
+        *(
+            (name, (records[name] >= 0) & (records[name] <= most), f"must be a number from 0 to {most:g}")
+            for name, most in (("width", _PIXELS_MAX), ("height", _PIXELS_MAX), ("confidence", 1.0))
+        ),
+    )
+    for name, good, rule in rules:
+        if not good.all():
+            row = int(np.argmin(good))
+            raise TrackLogError(f"record {first + row}: {name} = {records[name][row]}: {rule}")

@@ -12,8 +12,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from .id_set import IdSet
 from .log import Kind, TrackLog
+from .tally import IdSet
 
 __all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "FoundAgain", "alive", "by_life", "expiring", "lifetimes", "merges", "sample"]
 

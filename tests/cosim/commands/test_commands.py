@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+import evcot_cosim.rtl.build
 from evcot_cosim.cli import main, parser
 
 Capture = pytest.CaptureFixture[str]
@@ -212,3 +213,17 @@ def test_convert_tells_what_it_wrote(capsys: Capture, tmp_path: Path, monkeypatc
     assert json.loads(capsys.readouterr().out) == {
         "recording": "b.csv", "format": "csv", "events": events, "width": 346, "height": 260
     }  # fmt: skip
+
+
+def test_bench_measures_every_engine_and_the_hardware(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
+    monkeypatch.chdir(tmp_path)
+    assert main(["simulate", "boxes", "--duration", "0.1", "-o", "boxes.npz", "--json"]) == 0
+    events = json.loads(capsys.readouterr().out)["events"]
+    assert main(["bench", "boxes.npz", "--json"]) == 0
+    rates = {rate["what"]: rate for rate in json.loads(capsys.readouterr().out)}
+    wanted = {"reading", "activity filter", "rct, plain", "golden model", "cot_motion", "cot_motion, checked against the model"}
+    assert wanted <= rates.keys()
+    for rate in rates.values():
+        assert rate["events"] == events
+        assert rate["events_per_s"] == pytest.approx(rate["events"] / rate["seconds"])

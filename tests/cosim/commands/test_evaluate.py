@@ -72,6 +72,17 @@ def test_the_table_for_people(capsys: Capture) -> None:
     assert printed.err == ""
 
 
+def test_stated_velocity_against_displacement(capsys: Capture) -> None:
+    """A track at 100 px/s that states 125 px/s."""
+    log = TrackLog.load_npz("software.npz")
+    log.records["t_us"][-1] += 1_000  # lives for 0.5 s
+    log.records["vx"] = 125
+    log.save_npz("faster.npz")
+    assert main(["evaluate", "faster.npz", "--truth", "truth.csv"]) == 0
+    off = "0 degrees (median) off the displacement over 300 ms, more than 45 in 0 %; 25 % relative error"
+    assert f"direction        stated velocity {off}" in capsys.readouterr().out.splitlines()
+
+
 def test_what_is_not_known_is_null(capsys: Capture) -> None:
     TrackLog.empty("rct").save_npz("nobody.npz")
     assert main(["evaluate", "nobody.npz", "--truth", "truth.csv", "--json"]) == 0
@@ -163,3 +174,47 @@ def test_a_log_of_another_recording_in_a_run_is_refused(capsys: Capture) -> None
 def test_a_folder_that_is_no_run(capsys: Capture) -> None:
     Path("empty").mkdir()
     assert error_of(capsys, "empty", "--truth", "truth.csv").startswith("empty: is no folder of a run: must be")
+
+
+def test_several_logs_and_runs_are_columns_of_one_table(capsys: Capture) -> None:
+    run_folder()
+    Path("other").mkdir()
+    TrackLog.load_npz("software.npz").save_npz("other/mine.npz")
+    assert main(["evaluate", "software.npz", "other/mine.npz", "run", "--truth", "truth.csv", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert list(found) == ["software", "mine", "run/hardware", "run/software", "run/model"]
+    assert found["software"] == found["mine"] == found["run/hardware"]
+    assert main(["evaluate", "software.npz", "other/mine.npz", "--truth", "truth.csv"]) == 0
+    rows = capsys.readouterr().out.splitlines()
+    assert rows[0].split() == ["software", "mine"]
+    assert next(row.split()[1:] for row in rows if row.startswith("found")) == ["50", "50"]
+
+
+def test_logs_of_one_name_are_told_apart_by_their_folders(capsys: Capture) -> None:
+    Path("other").mkdir()
+    TrackLog.load_npz("software.npz").save_npz("other/software.npz")
+    assert main(["evaluate", "software.npz", "other/software.npz", "--truth", "truth.csv", "--json"]) == 0
+    assert list(json.loads(capsys.readouterr().out)) == ["software.npz", "other/software.npz"]
+
+
+def test_a_log_that_cannot_be_scored_stops_no_other(capsys: Capture) -> None:
+    Path("bad.npz").write_bytes(b"no log")
+    TrackLog.load_npz("software.npz").save_npz("good.npz")
+    assert main(["evaluate", "absent.npz", "software.npz", "bad.npz", "good.npz", "--truth", "truth.csv", "--json"]) == 2
+    printed = capsys.readouterr()
+    assert list(json.loads(printed.out)) == ["software", "good"]
+    assert [line.split(":")[1].strip() for line in printed.err.splitlines()] == ["absent.npz", "bad.npz"]
+
+
+def test_the_truth_of_another_recording_is_warned_of_in_one_line(capsys: Capture) -> None:
+    other = [f"{t},0,200,150,30,40,0,0,1,0" for t in range(0, 1_000_000, 10_000)]
+    Path("other.csv").write_text("\n".join([Path("truth.csv").read_text().splitlines()[0], *other]) + "\n")
+    run_folder()
+    assert main(["evaluate", "run", "--truth", "other.csv"]) == 0
+    rule = "must be the truth of this recording, on its clock and in its pixels"
+    assert capsys.readouterr().err == f"evcot: warning: other.csv: hardly any track meets an object: {rule}\n"
+    assert main(["evaluate", "run", "--truth", "truth.csv"]) == 0
+    assert capsys.readouterr().err == ""
+    TrackLog.empty("rct").save_npz("nothing.npz")
+    assert main(["evaluate", "nothing.npz", "--truth", "other.csv"]) == 0
+    assert capsys.readouterr().err == ""  # who finds nothing tells nothing of the truth

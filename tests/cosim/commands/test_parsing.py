@@ -19,8 +19,8 @@ from evcot.outputs import RUN_FILE, folder_written_aside
 from evcot.recordings.files import write_recording
 from evcot.tracks.log import TRACK, TrackLog
 from evcot_cosim.cli import main, parser
-from evcot_cosim.commands.filter_options import milliseconds, region
-from evcot_cosim.commands.parsing import INPUT_TYPES, OUTPUT_TYPES, output_file, output_folder
+from evcot_cosim.commands.options import milliseconds, region
+from evcot_cosim.commands.parsing import INPUT_TYPES, OUTPUT_TYPES, Action, output_file, output_folder
 
 Capture = pytest.CaptureFixture[str]
 
@@ -274,3 +274,11 @@ def test_a_device_stays_a_device_and_a_link_a_link(capsys: Capture) -> None:
     assert main(["track", "drive.npz", "--quiet", "-o", "link", "--force"]) == 0
     assert Path("link").is_symlink()
     capsys.readouterr()
+
+
+@pytest.mark.parametrize("command", ["cosim", "waves", "assert", "vectors", "toggles"])
+def test_a_name_that_is_no_file_and_no_scene_is_told_before_the_command_is_loaded(
+    command: str, home: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Action, "function", None)
+    refused(capsys, home, command, "hihgway", why="hihgway: cannot be read: No such file or directory; nor is it a scene")

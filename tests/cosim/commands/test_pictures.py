@@ -16,7 +16,7 @@ from evcot.recordings.files import write_recording
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import fit, preset
-from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.config import PRESETS
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main

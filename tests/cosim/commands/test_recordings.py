@@ -253,3 +253,101 @@ def test_a_terminal_sees_how_far_it_is_and_a_pipe_does_not(drive: Path) -> None:
     assert done.stdout == b"100,000 events in out.csv, CSV\n"
     done = subprocess.run(command, capture_output=True, check=True)
     assert done.stderr == b""
+
+
+def several(*names: str) -> list[Path]:
+    """Recordings of two, three, ... events."""
+    paths = []
+    for count, name in enumerate(names, 2):
+        path = Path(name)
+        path.parent.mkdir(exist_ok=True)
+        columns = np.zeros((2, count), np.uint16)
+        write_events(path, (64, 48), [Events(np.arange(count), *columns, np.zeros(count, np.uint8))])
+        paths.append(path)
+    return paths
+
+
+def test_info_of_several_is_a_table_each(capsys: Capture) -> None:
+    several("a.npz", "b.npz")
+    assert main(["info", "a.npz", "b.npz"]) == 0
+    tables = capsys.readouterr().out.split("\n\n")
+    assert [[line.split()[-1] for line in table.splitlines() if line.startswith(("file", "events"))] for table in tables] == [
+        ["a.npz", "2"], ["b.npz", "3"],
+    ]  # fmt: skip
+    assert main(["info", "a.npz", "b.npz", "--json"]) == 0
+    assert [(each["file"], each["events"]) for each in json.loads(capsys.readouterr().out)] == [("a.npz", 2), ("b.npz", 3)]
+
+
+def test_what_is_wrong_with_one_of_several_stops_no_other(capsys: Capture) -> None:
+    several("a.npz", "b.npz")
+    Path("broken.raw").write_bytes(b"\0" * 99)
+    assert main(["info", "absent.npz", "a.npz", "broken.raw", "b.npz", "--json"]) == 2
+    printed = capsys.readouterr()
+    assert [each["file"] for each in json.loads(printed.out)] == ["a.npz", "b.npz"]
+    assert [line.split(":")[1].strip() for line in printed.err.splitlines()] == ["absent.npz", "broken.raw"]
+
+
+def test_several_are_converted_into_a_folder(capsys: Capture) -> None:
+    paths = several("a.npz", "b.npz", "in/c.npz")
+    assert main(["convert", *map(str, paths), "out", "--format", "evt3"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "2 events in out/a.raw, Prophesee RAW, EVT 3.0",
+        "3 events in out/b.raw, Prophesee RAW, EVT 3.0",
+        "4 events in out/c.raw, Prophesee RAW, EVT 3.0",
+    ]  # fmt: skip
+    for path in paths:
+        assert len(read_recording(Path("out", f"{path.stem}.raw")).events) == len(read_recording(path).events)
+    Path("more").mkdir()
+    assert main(["convert", "a.npz", "b.npz", "more", "--format", "csv", "--json"]) == 0
+    written = json.loads(capsys.readouterr().out)
+    assert [(each["recording"], each["events"]) for each in written] == [("more/a.csv", 2), ("more/b.csv", 3)]
+
+
+def test_one_that_cannot_be_converted_stops_no_other_and_replaces_nothing(capsys: Capture) -> None:
+    several("a.npz", "b.npz")
+    Path("out").mkdir()
+    Path("out/a.csv").write_text("mine")
+    assert main(["convert", "a.npz", "absent.npz", "b.npz", "out", "--format", "csv", "-q"]) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("evcot: a.npz: output out/a.csv: exists: must be another file, or --force")
+    assert second == "evcot: absent.npz: cannot be read: No such file or directory"
+    assert sorted(path.name for path in Path("out").iterdir()) == ["a.csv", "b.csv"]
+    assert Path("out/a.csv").read_text() == "mine"
+    assert main(["convert", "a.npz", "b.npz", "out", "--format", "csv", "-q", "--force"]) == 0
+    assert Path("out/a.csv").read_text() != "mine"
+
+
+def test_an_input_is_never_the_output_of_another(capsys: Capture) -> None:
+    several("a.npz", "b.csv")
+    before = Path("a.npz").read_bytes()
+    assert main(["convert", "b.csv", "a.npz", ".", "--format", "npz", "--force", "-q", "--sensor", "64x48"]) == 2
+    assert capsys.readouterr().err == (
+        "evcot: a.npz: output a.npz: is a.npz, an input of the same call: must be another file\n"
+    )
+    assert Path("a.npz").read_bytes() == before
+    assert Path("b.npz").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("a.npz", "b.npz", "out"), "--format: must be given with several recordings, for the files in out"),
+        (("a.npz", "in/a.npz", "out", "--format", "csv"), "a.npz and in/a.npz: would both be written as out/a.csv: must have"),
+        (("a.npz", "in/A.npz", "out", "--format", "csv"), "a.npz and in/A.npz: would both be written as out/A.csv: must have"),
+        (("a.npz", "b.npz", "c.npz", "--format", "csv"), "output c.npz: exists: must be a folder with several recordings"),
+        (("a.npz", "b.npz", "no/out", "--format", "csv"), "output no/out: cannot be made: No such file or directory"),
+        (("a.npz", "b.npz", "out", "--format", "tar"), "format 'tar': must be one of"),
+    ],
+)
+def test_outputs_that_cannot_be_are_refused_before_any_is_written(
+    arguments: tuple[str, ...], message: str, capsys: Capture
+) -> None:
+    several("a.npz", "b.npz", "c.npz", "in/a.npz", "in/A.npz")
+    assert error_of(capsys, "convert", *arguments).startswith(message)
+
+
+def test_a_folder_into_which_nothing_was_written_is_not_left(capsys: Capture) -> None:
+    several("a.npz")
+    assert main(["convert", "absent.npz", "missing.npz", "out", "--format", "csv"]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 2
+    assert not Path("out").exists()

@@ -43,10 +43,13 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_run_leaves_a_report_that_can_be_made_again(made: Path, folder: Path, capsys: Capture) -> None:
     first = (made / "run" / "report.html").read_text()
-    assert main(["report", str(made / "run"), "-o", "again.html"]) == 0
-    assert capsys.readouterr().out.startswith("again.html: ")
-    assert Path("again.html").read_text() == first
+    assert main(["report", str(made / "run")]) == 0
+    assert capsys.readouterr().out.startswith(f"{made / 'run' / 'report.html'}: ")
+    assert (made / "run" / "report.html").read_text() == first
     assert "hardware = model" in first
+    assert '<a href="hardware.npz" download>' in first
+    assert main(["report", str(made / "run"), "-o", "again.html", "-q"]) == 0
+    assert "download" not in Path("again.html").read_text().partition("<script")[0], "its files are elsewhere"
     assert "9 objects at" in first  # the truth that stood beside the recording
 
 
@@ -70,7 +73,8 @@ def test_further_engines_stand_beside_hardware_and_software(made: Path, folder: 
     assert [side["name"] for side in facts["sides"]] == ["hardware", "software", "frames", "cot_motion", "truth"]
     looks = [side["look"] for side in facts["sides"]]
     assert len(set(looks)) == 5
-    assert "The same for software, frames, cot_motion" in text
+    for side in facts["sides"][:-1]:
+        assert f'<b class="{side["look"]}-name">{side["name"]}</b>: ' in text
     assert main(["report", "k.npz", str(made / "log.npz"), "--recording", str(made / "b.aedat4"), "-o", "logs.html", "-q"]) == 0
     names = json.loads(Path("logs.html").read_text().partition('id="facts">')[2].partition("</script>")[0])["sides"]
     assert [side["name"] for side in names] == ["frames", "cot_motion", "truth"]
@@ -84,13 +88,15 @@ def test_two_runs_are_compared(made: Path, folder: Path, capsys: Capture) -> Non
     text = Path("changed.html").read_text()
     facts = json.loads(text.partition('id="facts">')[2].partition("</script>")[0])
     assert [side["name"] for side in facts["sides"]][:2] == ["a", "b"]
-    section = text.partition('id="verdict"')[2].partition("</section>")[0]
-    changed = re.findall(r'<th scope="row">([^<]*)</th><td>([^<]*)</td><td class="changed">([^<]*)</td>', section)
+    section = text.partition('id="panel-differences"')[2].partition("</section>")[0]
+    changed = re.findall(
+        r'<th scope="row">([^<]*)</th><td class="words a-name">([^<]*)</td><td class="words b-name">([^<]*)</td>', section
+    )
     assert ("filters.activity_us", "0", "5000") in changed
     assert [row for row in changed if row[0].startswith("cot.")] == []
-    figures = {row[0]: row[1:] for row in changed}
-    assert figures["hardware: isolated events filtered out"][0] == "0 %"
-    assert "Tracks that changed" in text
+    assert "Isolated events filtered out, %" in section
+    assert "Objects that only one run has" in section
+    assert re.search(r'<strong class="">(A is better|B is better|A and B are as good)</strong>', text)
     assert main(["report", "slow", "slow", "-o", "same.html", "-q"]) == 0
     assert "decided the same in every record" in Path("same.html").read_text()
     assert "The hardware decided alike" not in text
@@ -119,6 +125,16 @@ def test_a_truth_may_be_given(made: Path, folder: Path) -> None:
     Path("one.csv").write_text("\n".join([lines[0], *(line for line in lines[1:] if line.split(",")[1] == "3")]) + "\n")
     assert main(["report", str(made / "run"), "--truth", "one.csv", "--rule", "scene", "-o", "one.html", "-q"]) == 0
     assert "1 object at" in Path("one.html").read_text()
+
+
+def test_a_truth_of_another_time_is_refused(made: Path, folder: Path, capsys: Capture) -> None:
+    head, *lines = (made / "b.truth.csv").read_text().splitlines()
+    late = [",".join([str(int(line.split(",")[0]) + 10**9), *line.split(",")[1:]]) for line in lines]
+    Path("late.csv").write_text("\n".join([head, *late]) + "\n")
+    assert main(["report", str(made / "run"), "--truth", "late.csv", "--rule", "scene", "-o", "late.html"]) == 2
+    said = "evcot: late.csv: has no instant within the time of b: must be the truth of this recording\n"
+    assert capsys.readouterr().err == said
+    assert not Path("late.html").exists()
 
 
 @pytest.mark.parametrize(
@@ -150,7 +166,7 @@ def test_a_truth_beside_a_recording_that_cannot_be_used_is_warned_of(made: Path,
     Path("b.truth.csv").write_text("what,is,this\n1,2,3\n")
     assert main(["report", str(made / "log.npz"), "--recording", "b.aedat4", "-o", "b.html", "-q"]) == 0
     assert "warning: the report goes without the truth: b.truth.csv: " in capsys.readouterr().err
-    assert "No truth is known" in Path("b.html").read_text()
+    assert "No truth: HOTA not known" in Path("b.html").read_text()
 
 
 @pytest.mark.parametrize("page", ["javascript:alert(1)", "../part-00000.html", None])

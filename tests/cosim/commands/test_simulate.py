@@ -13,7 +13,7 @@ from PIL import Image
 from evcot.recordings.files import read_recording
 from evcot.scenes import SCENES, Truth, simulate_scene
 from evcot_cosim.cli import main
-from evcot_cosim.commands.exit_codes import USER_ERROR
+from evcot_cosim.commands.parsing import USER_ERROR
 
 
 @pytest.fixture(autouse=True)

@@ -55,8 +55,27 @@ for words in {[["--help"], ["--version"], *([name, "-h"] for name in COMMANDS)]!
         assert end.code == 0
 """
     found = imported(code)
-    assert "evcot_cosim.commands.track" in found
+    assert "evcot_cosim.commands.tracking" in found
     assert not found & set(HEAVY)
+
+
+def test_a_command_alone_has_the_options_that_it_has_among_all() -> None:
+    for name, whole in COMMANDS.items():
+        if name == "completion":
+            continue
+        alone = next(action.choices for action in parser(name)._actions if isinstance(action, argparse._SubParsersAction))
+        assert alone[name].format_help() == whole.format_help()
+        assert len(alone) <= 2
+
+
+def test_a_command_imports_no_module_of_another_and_looks_for_no_trackers_of_other_packages() -> None:
+    code = "from evcot_cosim.cli import main\nimport contextlib, io\nwith contextlib.redirect_stderr(io.StringIO()): main(%r)"
+    found = imported(code % ["info", "absent.raw"])
+    assert {name for name in found if name.startswith("evcot_cosim.commands.")} >= {"evcot_cosim.commands.recordings"}
+    assert not found & {"evcot_cosim.commands.tracking", "evcot.trackers.engines", "importlib.metadata"}
+    found = imported(code % ["track", "absent.raw", "--engine", "rct"])
+    assert "evcot.trackers.engines" in found
+    assert "importlib.metadata" not in found
 
 
 def test_a_missing_input_and_an_unknown_option_are_reported_before_anything_heavy_is_imported() -> None:

@@ -20,7 +20,7 @@ from evcot.scenes.registry import simulate_scene
 from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import MOTION, fit, preset, run_config
-from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.config import PRESETS
 from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.cli import main

@@ -60,15 +60,19 @@ def test_a_description_is_printed_without_a_run(capsys: Capture) -> None:
 
 def test_the_surroundings_of_a_merge_with_markers_where_it_is_caused_and_told(capsys: Capture) -> None:
     merge = TrackLog.load_npz(f"{RUN}/hardware.npz").of_kind(Kind.MERGED)[1]
-    assert main(["waves", RUN, "--around", "merge:2", "--reach", "50", "--json"]) == 0
+    track_id = merge["track_id"]
+    assert main(["waves", RUN, "--around", f"merge:{track_id}", "--reach", "50", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
-    assert result["folder"] == "build/waves/boxes-merge-2"
+    assert result["folder"] == f"build/waves/boxes-merge-{track_id}"
     assert set(result["files"]) >= {"waves.vcd", "waves.gtkw"}
     assert (result["first_event"], result["last_event"]) == (merge["event_index"] - 50, merge["event_index"] + 50)
 
     view = (Path(result["folder"]) / "waves.gtkw").read_text().splitlines()
     primary, taken, record = map(int, next(line for line in view if line.startswith("*")).split()[1:])
-    assert [line for line in view if line.startswith("[markername]")] == ["[markername] Aevent", "[markername] Bmerge 2"]
+    assert [line for line in view if line.startswith("[markername]")] == [
+        "[markername] Aevent",
+        f"[markername] Bmerge {track_id}",
+    ]
     assert primary == record > taken
     s = Wave.open(Path(result["folder"]) / "waves.vcd").sampled("TOP.clk")
     at = {int(time): i for i, time in enumerate(s.times)}
@@ -82,7 +86,7 @@ def test_the_surroundings_of_a_merge_with_markers_where_it_is_caused_and_told(ca
     assert abs(int(events[at[taken]]) - 51) <= 2  # the window begins with the token before its first event
 
 
-@pytest.mark.parametrize("moment", ["birth", "move:30", "time:12.5", "event:77"])
+@pytest.mark.parametrize("moment", ["birth", "move:1", "time:12.5", "event:77"])
 def test_any_moment_of_a_run_or_of_a_scene(moment: str, capsys: Capture) -> None:
     assert main(["waves", RUN, "--around", moment, "--reach", "5"]) == 0
     name = f"boxes-{moment.replace(':', '-')}"
@@ -107,7 +111,7 @@ def test_properties_are_put_to_the_waveform_that_a_run_has_left(capsys: Capture)
 
 
 def test_properties_are_put_to_a_part_that_is_simulated_for_them(capsys: Capture) -> None:
-    assert main(["assert", RUN, "--around", "merge:2", "--reach", "60", "--json"]) == 0
+    assert main(["assert", RUN, "--around", "merge", "--reach", "60", "--json"]) == 0
     assert main(["assert", "boxes", "--to", "3", "--json"]) == 0
     for line in capsys.readouterr().out.split("]\n[\n"):
         assert '"holds": true' in line
@@ -120,7 +124,7 @@ def test_properties_are_put_to_a_part_that_is_simulated_for_them(capsys: Capture
         (("waves", RUN, "--reach", "5"), "--reach: must be given with --around"),
         (("waves", RUN, "--around", "birth", "--to", "5"), "--around: must not be given with --from and --to"),
         (("waves", RUN, "--around", "birth", "--reach", "-1"), "--reach -1: must be from 0 to 1000000 events"),
-        (("waves", RUN, "--around", "merge:9999"), "--around merge:9999: must be from 1 to "),
+        (("waves", RUN, "--around", "merge:9999"), "--around merge:9999: must be the id of a track with a merge: "),
         (("assert", RUN, "none.py"), "none.py: cannot be read: No such file or directory"),
         (("assert", "none.vcd"), "none.vcd: cannot be read: No such file or directory"),
         (("assert", RUN, "--clock", "tock"), f"{RUN}/waves.vcd: no signal tock"),
@@ -136,13 +140,13 @@ def test_what_cannot_be_done_is_one_line(arguments: tuple[str, ...], message: st
 
 @pytest.mark.skipif(not (shutil.which("gtkwave") and shutil.which("xvfb-run")), reason="needs gtkwave and Xvfb")
 def test_gtkwave_opens_the_view_on_its_markers() -> None:
-    assert main(["waves", RUN, "--around", "merge:2", "--reach", "50", "-q"]) == 0
+    assert main(["waves", RUN, "--around", "merge", "--reach", "50", "-q"]) == 0
     script = Path("asked.tcl")
     script.write_text(
         'puts "primary [gtkwave::getMarker]"\n'
         'puts "A [gtkwave::getNamedMarker A]"\nputs "B [gtkwave::getNamedMarker B]"\nexit\n'
     )
-    view = Path("build/waves/boxes-merge-2")
+    view = Path("build/waves/boxes-merge")
     done = subprocess.run(
         ["xvfb-run", "-a", "gtkwave", str(view / "waves.vcd"), str(view / "waves.gtkw"), "-S", str(script)],
         capture_output=True, text=True, timeout=120, check=False,

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -16,21 +17,26 @@ import pytest
 
 from evcot.errors import ConfigError, OutputError, RecordingError
 from evcot.events import Events
-from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.filters.config import FilterConfig
+from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
 from evcot.hardware.cot import CotModel
-from evcot.hardware.golden import golden_model
+from evcot.hardware.golden import GoldenTracker, golden_model
 from evcot.hardware.model import Decisions
 from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents
+from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import run_config
 from evcot.tracks.log import Kind
+from evcot_cosim.cli import main
 from evcot_cosim.devices.base import HardwareError, Stalls
-from evcot_cosim.devices.device import Device, _order_of
+from evcot_cosim.devices.device import Device, _order_of, build_device
+from evcot_cosim.devices.tracker import DeviceTracker
 from evcot_cosim.lockstep.lockstep import Lockstep
+from evcot_cosim.lockstep.random_runs import random_motion_run, random_outlines
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
-from support.ticked import ticked
+from support.tokens import ticked
 from support.trials import bare_device, random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
@@ -363,3 +369,59 @@ def test_a_configuration_of_another_kind_is_refused_in_one_line() -> None:
             "config is of type RunConfig: must be a MotionConfig or a CotConfig, "
             "as run_config(width, height).device_config() returns it"
         )
+
+
+@pytest.mark.parametrize("filtered", [False, True])
+def test_it_returns_what_the_golden_model_returns(config: CotConfig, blobs: Events, filtered: bool) -> None:
+    if filtered:
+        config = RunConfig(hardware=config, filters=FilterConfig(refractory_us=20)).device_config(128, 128)
+    later = Events(blobs.t_us + 5_000_000, blobs.x, blobs.y, blobs.p)
+    hardware, model = DeviceTracker(config), GoldenTracker(config)
+    wanted, owners = model.feed(later)
+    cuts = [0, 1, 7, 500, 501, 1_999, len(later)]
+    got = [hardware.feed(later[begin:end]) for begin, end in pairwise(cuts)]
+    assert np.array_equal(np.concatenate([records for records, _ in got]), wanted)
+    assert np.array_equal(np.concatenate([owner for _, owner in got]), owners)
+    assert len(wanted) > 100
+    assert len(hardware.finish()) == 0
+    assert hardware.settled == len(later)
+
+
+def test_a_wait_that_is_too_long_is_refused_and_nothing_was_fed(config: CotConfig, blobs: Events) -> None:
+    hardware = DeviceTracker(config)
+    hardware.feed(blobs[:100])
+    late = Events(blobs.t_us + (1 << 60), blobs.x, blobs.y, blobs.p)
+    with pytest.raises(RecordingError, match="clocks of silence"):
+        hardware.feed(late)
+    assert hardware.settled == 100
+
+
+CONFIG = MotionConfig(Shape(n_slots=1))
+
+
+def test_a_shape_that_differs_in_what_motion_does_not_have_is_the_same_hardware() -> None:
+    built = build_device(CONFIG)
+    assert built.key == build_device(replace(CONFIG, shape=replace(CONFIG.shape, frac=0, nev_w=12))).key
+    assert {"FRAC", "NEV_W", "TC_W"}.isdisjoint(built.parameters)
+
+
+def test_random_runs_have_records_of_every_kind() -> None:
+    shape = Shape(n_slots=8, x_w=7, y_w=7, tc_w=12)
+    lockstep = random_motion_run(shape, 7, 4_000)
+    assert lockstep.events == 4_000
+    assert lockstep.records > 0
+    assert lockstep.latency.sum() <= lockstep.records
+
+
+def test_outlines_stay_on_the_sensor() -> None:
+    for seed in range(8):
+        events = random_outlines(np.random.default_rng(seed), Shape(n_slots=2, x_w=5, y_w=9), 2_000, 2.0)
+        assert events.x.max() < 32
+        assert events.y.max() < 512
+        assert np.all(np.diff(events.ticks) >= 0)
+
+
+def test_a_command_compares_hardware_and_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["cosim", "discs", "--to", "0.1", "--preset", "motion", "-o", "out"]) == 0
+    assert tomllib.loads((tmp_path / "out" / "run.toml").read_text())["hardware"] == "cot_motion"

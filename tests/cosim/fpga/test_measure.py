@@ -16,8 +16,7 @@ from evcot_cosim.fpga import cli, tools
 from evcot_cosim.fpga.catalogue import MODULES, Module
 from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import load, save
-from evcot_cosim.fpga.harness import render
-from evcot_cosim.fpga.interface import Port, ports
+from evcot_cosim.fpga.interface import Port, harness_text, ports
 from evcot_cosim.fpga.measure import Case, _failure, place, synthesise
 from evcot_cosim.fpga.run import figures_of, synthesised
 from evcot_cosim.rtl.files import copy_rtl, modules
@@ -41,7 +40,7 @@ def test_ports_have_the_widths_that_the_parameters_give() -> None:
 
 
 def test_every_port_is_registered_in_the_harness() -> None:
-    text = render(
+    text = harness_text(
         "some", {"N": 3}, [Port("clk", "input", 1), Port("a", "input", 2), Port("b", "input", 3), Port("c", "output", 17)]
     )
     assert ".clk(clk)" in text

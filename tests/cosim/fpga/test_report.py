@@ -18,8 +18,7 @@ from evcot_cosim.fpga.devices import DEVICES
 from evcot_cosim.fpga.figures import Figure, Figures, load, recorded_with
 from evcot_cosim.fpga.latency import clocks
 from evcot_cosim.fpga.measure import Case, key_of
-from evcot_cosim.fpga.outdated import outdated
-from evcot_cosim.fpga.report import shown_clocks, write_tables
+from evcot_cosim.fpga.report import outdated, shown_clocks, write_tables
 from evcot_cosim.fpga.sources import closure, logic
 from evcot_cosim.rtl.files import verilog_dir
 

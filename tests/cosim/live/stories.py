@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from evcot.events import Events
 from evcot.tracks.log import TRACK, Kind
 from evcot.tracks.tracking import TrackerOutput
-from evcot_cosim.live.bounded_queue import Arrival
 from evcot_cosim.live.player import Player, Run, Wish
+from evcot_cosim.live.queues import Arrival
 from evcot_cosim.live.session import Session
 
 SENSOR = (64, 48)

@@ -15,8 +15,7 @@ import pytest
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.recordings.files import open_recording, write_recording
-from evcot_cosim.live.camera import CameraSource
-from evcot_cosim.live.sources import FileSource, NetworkSource, StreamSource
+from evcot_cosim.live.sources import CameraSource, FileSource, NetworkSource, StreamSource
 
 from .stories import SENSOR, events, random_events
 

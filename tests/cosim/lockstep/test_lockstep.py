@@ -3,23 +3,25 @@
 
 from __future__ import annotations
 
+import errno
 import json
-import resource
-import signal
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import evcot
+import evcot_cosim
 from evcot.errors import EvcotError, OutputError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig, with_module
 from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.modules import Module
+from evcot.recordings.files import read_recording
+from evcot.scenes.registry import SCENES, simulate_scene
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
@@ -27,6 +29,7 @@ from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks, dump_window
 from evcot_cosim.lockstep.mismatch import MismatchError
 from evcot_cosim.waves.vcd import parse
+from support.full_disk import full_disk
 from support.testing import broken_copy
 from support.trials import bare_device, random_traffic
 
@@ -56,19 +59,6 @@ def busy(n: int, seed: int = 1, tick_us: int = 1) -> Events:
 def zeros(n: int) -> Events:
     """As many events at once, all in one corner."""
     return Events(np.zeros(n, np.int64), np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.zeros(n, np.uint8))
-
-
-@contextmanager
-def full_disk(bytes_left: int) -> Iterator[None]:
-    """No file can grow beyond some bytes."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_left, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-        signal.signal(signal.SIGXFSZ, handler)
 
 
 def run_all(lockstep: Lockstep, runs: Iterator[Events]) -> None:
@@ -258,8 +248,10 @@ class TestDumpWindow:
 
     def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
         bare_device(LIVELY)  # built while there is room
-        with full_disk(20_000), pytest.raises(OutputError, match=r"w\.vcd: cannot be written: File too large"):
+        with full_disk(20_000), pytest.raises(OutputError, match=r"w\.vcd: cannot be written: File too large") as said:
             dump_window(busy(2000), LIVELY, tmp_path / "w.vcd", 0, 2000)
+        assert isinstance(said.value.__cause__, OSError)
+        assert said.value.__cause__.errno == errno.EFBIG
         assert list(tmp_path.iterdir()) == []
 
 
@@ -267,3 +259,29 @@ def test_every_kind_of_record_is_compared() -> None:
     with Lockstep(LIVELY) as lockstep:
         step = lockstep.feed(busy(20_000))
     assert set(step.hardware.records["kind"]) == set(Kind)
+
+
+DATA = Path(__file__).parents[4] / "shared" / "data"
+RECORDINGS = ["traffic_outbound.aedat4", "hand_dvs128.aedat4", "pendulum_dvs128.aedat"]
+
+
+def check(recording: evcot.Recording) -> None:
+    run = evcot_cosim.cosim(recording)
+    log = evcot.track(recording)
+    for hardware in (run.hardware, run.model):
+        assert hardware.records.tobytes() == log.records.tobytes()
+        assert hardware.owner.tobytes() == log.owner.tobytes()
+    assert len(log.records)
+    assert np.any(log.owner >= 0)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_on_a_scene(scene: str) -> None:
+    check(simulate_scene(scene, 4711, {"duration_us": 600_000}).recording)
+
+
+@pytest.mark.parametrize("name", RECORDINGS)
+def test_on_a_recording(name: str) -> None:
+    if not (DATA / name).is_file():
+        pytest.skip(f"{name} is not here")
+    check(read_recording(DATA / name))

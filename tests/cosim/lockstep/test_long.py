@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -117,6 +119,51 @@ def test_every_part_has_a_page_beside_the_overview(runs: Path, capsys: pytest.Ca
     assert "its pages are beside its report" in capsys.readouterr().err
     assert main(["evaluate", str(folder), "--truth", str(runs / "none.csv")]) == 2
     assert "none.csv" in capsys.readouterr().err
+
+
+def test_a_run_whose_pages_cannot_be_written_goes_on_without_simulating_again(
+    runs: Path, recorded: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The last step of a run may find the disk full, hours after the first event."""
+    for name, value in {"commands.actions.cosim.EVENTS_MAX": 9_000, "report.part_pages.PART_EVENTS": 4_000}.items():
+        monkeypatch.setattr(f"evcot_cosim.{name}", value)
+    monkeypatch.setattr("evcot_cosim.lockstep.long.CHUNK", 2_000)
+    command = ["cosim", str(recorded), "--preset", "discs", "--no-waves", "-q", "--stalls", "3"]
+    command += ["--checkpoint", "4000", "-o", str(runs / "full")]
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.EFBIG, "File too large", str(runs / "full" / "report.html"))
+
+    with monkeypatch.context() as patched:
+        patched.setattr("evcot_cosim.report.long_run.write_overview", full)
+        assert main(command) == 2
+    assert not (runs / "full").exists()
+    assert capsys.readouterr().err == (
+        f"evcot: {runs}/full: cannot be written: {runs}/full/report.html: File too large; remove the cause and give the same "
+        f"command again: it goes on from its last checkpoint (kept in {runs}/.full.unfinished)\n"
+    )
+
+    monkeypatch.delattr("evcot_cosim.lockstep.lockstep.Lockstep.feed")
+    assert main([word for word in command if word != "-q"]) == 0
+    assert f"continues after {summary(runs / 'long')['events']:,} events" in capsys.readouterr().err
+    for name in ("hardware.parquet", "software.parquet"):
+        assert (runs / "full" / name).read_bytes() == (runs / "long" / name).read_bytes()
+    assert summary(runs / "full")["parts"] == summary(runs / "long")["parts"]
+    assert not (runs / ".full.unfinished").exists()
+
+
+@pytest.mark.parametrize("name", ["part-00002.html", "part-123456.html", "software.1.parquet"])
+def test_a_file_of_the_user_is_found_before_the_run(
+    name: str, runs: Path, recorded: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("evcot_cosim.commands.actions.cosim.EVENTS_MAX", 9_000)
+    monkeypatch.delattr("evcot_cosim.lockstep.lockstep.Lockstep.feed")
+    folder = runs / f"mine {name}"
+    shutil.copytree(runs / "short", folder)
+    (folder / name).write_text("mine")
+    assert main(["cosim", str(recorded), "--preset", "discs", "--no-waves", "-o", str(folder)]) == 2
+    assert f"-o {folder}: holds {name}, which evcot did not write" in capsys.readouterr().err
+    assert (folder / name).read_text() == "mine"
 
 
 def test_long_logs_alone_have_a_report_in_parts(

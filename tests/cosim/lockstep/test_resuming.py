@@ -16,6 +16,7 @@ from evcot.hardware.contract import Shape
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.lockstep import Lockstep, Step, chunks
+from support.full_disk import full_disk
 from support.trials import random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
@@ -56,3 +57,11 @@ def test_a_restored_run_is_the_unbroken_one(config: CotConfig, seed: int | None)
         assert second.device.cycle == unbroken.device.cycle
         assert (second.events, second.records) == (unbroken.events, unbroken.records)
         assert np.array_equal(second.latency, unbroken.latency)
+
+
+def test_state_is_saved_in_memory_where_no_file_can_be_written() -> None:
+    """Verilator's own writer ends the process on a full disk."""
+    with Lockstep(PLAIN, model=build_device(PLAIN, waves=False, savable=True)) as lockstep:
+        with full_disk(0):
+            lockstep.restore(lockstep.state())
+        assert len(lockstep.feed(traffic(CHUNK)).hardware.owner) == CHUNK

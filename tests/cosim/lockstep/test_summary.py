@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import evcot
+from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.hardware.config import CotConfig
 from evcot.trackers.config import RunConfig
@@ -16,8 +18,10 @@ from evcot.tracks.compare import compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.lockstep.cosim import CosimRun
 from evcot_cosim.lockstep.mismatch import Mismatch
+from evcot_cosim.lockstep.run_file import read_run_file
 from evcot_cosim.lockstep.summary import read_summary, summarise, summarise_mismatch, table, write_summary
 from evcot_cosim.lockstep.verdict import verdict_from
+from evcot_cosim.report import Material, Side, write_report
 from evcot_cosim.rtl.build import BuiltModel
 
 
@@ -115,3 +119,69 @@ def test_summary_of_a_mismatch() -> None:
     kept = summary["mismatch"]
     assert [kept[name] for name in ("event_index", "tick", "field", "hardware", "model", "seed")] == [7, 70, "owner", 1, -1, 5]
     assert (kept["config"]["module"], kept["config"]["shape"]["n_slots"]) == ("cot_array", 8)
+
+
+@pytest.fixture
+def stored(tmp_path: Path) -> Path:
+    """The summary of a run, as another version of evcot has written it."""
+    logs = log("cot_array", *LIVES), log("cot_array", *LIVES), log("rct", LIVES[0], owned=1)
+    summary = summarise(run_of(*logs), "evcot cosim four.npz")
+    summary["versions"]["evcot"] = "0.0.9"
+    path = tmp_path / "summary.json"
+    write_summary(summary, path)
+    assert read_summary(path)["versions"]["evcot"] == "0.0.9"  # what has all figures is read, whoever wrote it
+    return path
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        ("latency_clocks", "p99"), ("agreement", "radius_px"), ("agreement", "merges"), ("verdict", "headline"),
+        ("verdict", "figures", "software"), ("verdict", "figures", "hardware", "short"),
+    ],
+    ids=".".join,
+)  # fmt: skip
+def test_a_run_of_an_older_version_that_lacks_a_figure_is_one_sentence(stored: Path, place: tuple[str, ...]) -> None:
+    summary = json.loads(stored.read_text())
+    inner = summary
+    for name in place[:-1]:
+        inner = inner[name]
+    del inner[place[-1]]
+    stored.write_text(json.dumps(summary))
+    with pytest.raises(ConfigError) as error:
+        read_summary(stored)
+    advice = f"it is of 0.0.9, and this is {evcot.__version__}: run `evcot cosim` on its recording again"
+    assert str(error.value) == f"{stored}: lacks {'.'.join(place)}: {advice}"
+
+
+def test_how_many_figures_are_lacking_is_said_and_a_damaged_section_too(stored: Path) -> None:
+    summary = json.loads(stored.read_text())
+    summary["latency_clocks"], summary["agreement"] = {}, [3]
+    summary["versions"]["evcot"] = evcot.__version__
+    stored.write_text(json.dumps(summary))
+    with pytest.raises(ConfigError, match=r"lacks latency_clocks\.median and 4 more: it was changed, or an earlier"):
+        read_summary(stored)
+    stored.write_text(json.dumps({"verdict": 5}))
+    with pytest.raises(ConfigError, match="lacks verdict: it is of an unknown version of evcot, and this is"):
+        read_summary(stored)
+
+
+def test_configuration_of_an_older_version_says_so(stored: Path) -> None:
+    run = stored.with_name("run.toml")
+    run.write_text('hardware = "cot_motion"\n[motion]\nold_register = 3\n')
+    with pytest.raises(ConfigError, match=r"old_register.*; it is of 0\.0\.9, and this is .*: run `evcot cosim`"):
+        read_run_file(run)
+    stored.write_text("no JSON")
+    with pytest.raises(ConfigError) as error:
+        read_run_file(run)
+    assert "evcot cosim" not in str(error.value)
+
+
+def test_the_page_of_a_run_needs_no_figure_that_is_not_checked(stored: Path) -> None:
+    """What the report reads of a summary, `read_summary` has found there: sections by themselves may be missing."""
+    summary = json.loads(stored.read_text())
+    recording = run_of(*(log("cot_array", *LIVES) for _ in range(3))).recording
+    sides = tuple(Side(name, log("cot_array", *LIVES)) for name in ("hardware", "software"))
+    for section in ("latency_clocks", "agreement", "verdict", "config", "build", "filters", "owned_fraction", "slots"):
+        stored.write_text(json.dumps({key: value for key, value in summary.items() if key != section}))
+        write_report(Material(recording, read_summary(stored), sides), stored.with_name("report.html"), force=True)

@@ -67,12 +67,12 @@ def test_a_good_run_is_good_in_every_line(monkeypatch: pytest.MonkeyPatch) -> No
         ({"short": 6, "short_merged": 6, "owned_fraction": 1.0}, "tracks", Grade.POOR, "`--hardware cot_motion`"),
         ({"tracks": 3, "short": 2, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
         ({"short": 3, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
-        ({"short": 6, "noise_tracks": 6}, "tracks", Grade.POOR, "clusters on noise: filter more noise"),
+        ({"short": 6, "noise_tracks": 6}, "tracks", Grade.POOR, "clusters on noise: drop events without a recent neighbour"),
         ({"owned_fraction": 0.6}, "events", Grade.FAIR, "clust_nev in run.toml below 5"),
         ({"owned_fraction": 0.4}, "events", Grade.POOR, "clust_nev in run.toml below 5"),
-        ({"noise_time_fraction": 0.2, "noise_tracks": 1}, "noise", Grade.FAIR, "--activity-support 2"),
-        ({"noise_time_fraction": 0.4, "isolated_dropped_fraction": 0.0}, "noise", Grade.POOR, "with --activity 5"),
-        ({"noise_tracks": 4}, "noise", Grade.FAIR, "--activity-support 2"),
+        ({"noise_time_fraction": 0.2, "noise_tracks": 1}, "noise", Grade.FAIR, "`--activity 5`"),
+        ({"noise_time_fraction": 0.4, "isolated_dropped_fraction": 0.0}, "noise", Grade.POOR, "`--activity 5`"),
+        ({"noise_tracks": 4}, "noise", Grade.FAIR, "`--activity 5`"),
     ],
 )  # fmt: skip
 def test_a_figure_beyond_its_limit_has_its_grade_and_its_advice(
@@ -138,7 +138,7 @@ def test_the_headline_names_what_the_grade_comes_from(monkeypatch: pytest.Monkey
 
 def test_absorbed_tracks_are_named_apart(monkeypatch: pytest.MonkeyPatch) -> None:
     found = line(judged(monkeypatch, replace(GOOD, absorbed=7)), "tracks", "hardware").text
-    assert "(5.0 per object alive), and 7 that merged into another in the moment of their birth; 10 % are short" in found
+    assert "about 2 at a time, and 7 that merged into another in the moment of their birth; 10 % are short" in found
 
 
 def test_short_tracks_come_with_their_share_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,11 +153,14 @@ def test_a_mismatch_stands_above_everything(monkeypatch: pytest.MonkeyPatch) -> 
     assert verdict.grade is Grade.POOR
 
 
-def test_hardware_with_motion_has_no_slots_registers_to_change(monkeypatch: pytest.MonkeyPatch) -> None:
-    config = {"name": "motion", "hardware": {"module": "cot_motion", "registers": {"detect_ticks": 7}}}
-    advice = line(judged(monkeypatch, replace(GOOD, short=6, short_merged=6), config=config), "tracks").advice
-    assert "[motion] in run.toml" in advice
-    assert "--preset" not in advice
+def test_hardware_with_motion_has_registers_of_its_own_to_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    registers = {"detect_ticks": 7_500, "life_ticks": 60_000, "coast_ticks": 90_000}
+    config = {"name": "motion", "hardware": {"module": "cot_motion", "registers": registers}}
+    merging = replace(GOOD, short=6, short_merged=6)
+    advice = line(judged(monkeypatch, merging, config=config), "tracks").advice
+    assert "set detect_ticks = 5000 (now 7500) in [motion] of run.toml, then `evcot cosim --config run.toml`" in advice
+    losing = replace(GOOD, short=6, short_merged=0, short_lost=6)
+    assert "set life_ticks = 90000 (now 60000)" in line(judged(monkeypatch, losing, config=config), "tracks").advice
 
 
 def test_a_recording_too_short_to_judge_says_what_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -167,6 +170,7 @@ def test_a_recording_too_short_to_judge_says_what_is_enough(monkeypatch: pytest.
         ("exactness", Grade.FAIR, "hardware = model in the owner of every event; no record was there to compare"),
         ("length", Grade.FAIR, "8.8 ms: must be 50 ms with moving objects at least, for tracks to be judged"),
     ]
+    assert verdict.lines[1].advice == "record longer: half a second is enough for most scenes"
     assert judged(monkeypatch, GOOD, recording_s=0.06).headline == "The tracks look sound."
 
 
@@ -187,10 +191,60 @@ def test_the_terminal_has_every_line_and_every_advice(monkeypatch: pytest.Monkey
     assert " ".join(" ".join(narrow).split()) == " ".join(text.split())
 
 
-@pytest.mark.parametrize(("tracks", "per"), [(3_000, "1,500"), (26, "13"), (3, "1.5")])
-def test_tracks_for_each_object_are_told_in_plain_numbers(monkeypatch: pytest.MonkeyPatch, tracks: int, per: str) -> None:
-    found = line(judged(monkeypatch, replace(GOOD, tracks=tracks, tracks_per_alive=tracks / 2)), "tracks").text
-    assert found.startswith(f"{tracks:,} tracks, about 2 alive at a time ({per} per object alive)")
+TRUTH = {
+    "objects": 8,
+    "alive_mean": 3.1,
+    "rule": "as it is",
+    "scores": {"hardware": {"hota": 0.8, "mt": 6, "ml": 0, "idsw": 1}},
+}
+
+
+def with_truth(hota: float, lost: int = 0) -> dict[str, Any]:
+    return TRUTH | {"scores": {"hardware": {"hota": hota, "mt": 6 - lost, "ml": lost, "idsw": 1}}}
+
+
+@pytest.mark.parametrize(("hota", "grade"), [(0.65, Grade.GOOD), (0.598, Grade.FAIR), (0.4, Grade.FAIR), (0.39, Grade.POOR)])
+def test_where_there_is_a_truth_it_decides(monkeypatch: pytest.MonkeyPatch, hota: float, grade: Grade) -> None:
+    verdict = judged(monkeypatch, replace(GOOD, short=9, short_merged=9, owned_fraction=0.1), truth=with_truth(hota))
+    found = line(verdict, "tracks")
+    assert (found.grade, verdict.grade) == (grade, grade)
+    assert found.text == (
+        f"10 tracks, about 2 at a time for 3.1 objects; HOTA {hota:.3f}: 6 of 8 objects mostly tracked, 0 mostly lost, "
+        "1 switch of identity"
+    )
+    assert line(verdict, "events").grade is Grade.POOR, "but that is no reason to call the tracks poor"
+    fault = f"they score HOTA {hota:.3f}."
+    assert (fault in verdict.headline) == (grade is not Grade.GOOD)
+
+
+def test_a_truth_of_objects_that_are_lost_advises_an_easier_birth(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "clust_nev" in line(judged(monkeypatch, GOOD, truth=with_truth(0.5, lost=3)), "tracks").advice
+    assert "max_ticks" in line(judged(monkeypatch, replace(GOOD, short_lost=5), truth=with_truth(0.5, lost=2)), "tracks").advice
+
+
+def test_a_truth_says_nothing_about_a_side_without_scores(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = line(judged(monkeypatch, GOOD, GOOD, truth=TRUTH), "tracks", "software")
+    assert "10 % are short" in found.text
+    assert found.text.startswith("10 tracks, about 2 at a time for 3.1 objects")
+
+
+@pytest.mark.parametrize(
+    ("window_us", "advice"), [(0, "`--activity 5`"), (40_000, "`--activity 5`"), (5_000, "`--activity-support 2`")]
+)
+def test_noise_is_filtered_harder_than_it_is(monkeypatch: pytest.MonkeyPatch, window_us: int, advice: str) -> None:
+    config = SUMMARY["config"] | {"filters": {"activity_us": window_us}}  # type: ignore[operator]
+    assert advice in line(judged(monkeypatch, replace(GOOD, noise_tracks=4), config=config), "noise").advice
+
+
+@pytest.mark.parametrize(
+    ("owned", "isolated", "grade"), [(0.3, 0.1, Grade.GOOD), (0.31, 0.1, Grade.FAIR), (0.9, 0.05, Grade.GOOD)]
+)
+def test_noise_in_tracks_is_no_longer_good_unless_it_is_rare(
+    monkeypatch: pytest.MonkeyPatch, owned: float, isolated: float, grade: Grade
+) -> None:
+    verdict = judged(monkeypatch, replace(GOOD, isolated_owned_fraction=owned, isolated_fraction=isolated))
+    assert line(verdict, "noise").grade is verdict.grade is grade
+    assert ("the isolated events enter them" in verdict.headline) == (grade is Grade.FAIR)
 
 
 DATA = Path(__file__).parents[4] / "shared" / "data"

@@ -104,6 +104,33 @@ def test_another_picture_another_size_and_none_are_not_alike(tmp_path: Path) -> 
     assert not alike(png(100, 9), kept)
 
 
+def test_the_value_of_a_cell_is_shown_if_it_is_one_of_evcot(tmp_path: Path) -> None:
+    path = tmp_path / "values.py"
+    path.write_text(
+        "# %%\nimport evcot\n\nevents = evcot.Events.empty()\nevents\n\n# %%\nprint(1)\n2\n\n# %%\nevcot.Kind(2)\nevents = 3\n"
+    )
+    texts = [part.split("```")[0] for part in guide(path).page.split("```text\n")[1:]]
+    assert texts == ["<Events: none>\n", "1\n"]
+
+
+def test_the_first_session_runs_in_a_real_kernel_from_file_to_score_to_waveform(tmp_path: Path) -> None:
+    nbclient = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    import nbformat
+
+    (path,) = (path for path in scripts() if path.stem == "first_session")
+    made = nbformat.reads(notebook(path.read_text()), as_version=4)
+    nbformat.validate(made)
+    nbclient.NotebookClient(made, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = [output["data"] for cell in made.cells for output in cell.get("outputs", []) if "data" in output]
+    texts = [data["text/plain"].split()[0] for data in shown]
+    assert texts == ["<Recording", "<TrackLog", "<NotebookFigure", "<Page", "<Page"]
+    frames = [data["text/html"] for data in shown if "<iframe" in data.get("text/html", "")]
+    assert len(frames) == 3
+    assert "image/png" in shown[2]
+    assert len(json.dumps(made)) < 5_000_000  # of the file that a notebook becomes
+
+
 @pytest.mark.parametrize("path", scripts(), ids=lambda path: path.stem)
 def test_a_guide_says_what_it_needs_in_its_first_cell_of_code(path: Path) -> None:
     found = cells(path.read_text())

@@ -20,10 +20,10 @@ from evcot.trackers.presets import fit, for_sensor
 from evcot.trackers.rct.tracker import track as track_software
 from evcot.tracks.compare import compare
 from evcot.tracks.log import TrackLog
+from evcot_cosim.lockstep.truth import scene_truth
 from evcot_cosim.report import Material, Side, Truth, write_report
-from evcot_cosim.report.truth import scene_truth
 
-WINDOW = {"width": 1280, "height": 900}
+WINDOW = {"width": 1440, "height": 900}
 
 
 def summary_of(name: str = "boxes", **more: Any) -> dict[str, Any]:
@@ -47,7 +47,7 @@ def material_of(duration_us: int, **more: Any) -> Material:
     agreement = compare(hardware, software, radius_px=config.rct.radius_px, span_us=span_us)
     summary = summary_of(agreement=agreement.to_dict(), config=config.to_dict(), **more)
     truth: Truth = scene_truth(scene.truth, (recording.width, recording.height))
-    return Material(recording, summary, (Side("hardware", hardware), Side("software", software)), truth)
+    return Material(recording, summary, (Side("hardware", hardware, "build/cosim/boxes"), Side("software", software)), truth)
 
 
 @pytest.fixture(scope="session")
@@ -78,7 +78,7 @@ class Opened:
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(f"file://{path}{hash}")
-        self.page.wait_for_selector("#workspace[data-ready]", timeout=30_000)
+        self.page.wait_for_selector("html[data-ready]", timeout=30_000)
 
     def ask(self, script: str, argument: Any = None) -> Any:
         """The value of JavaScript, after two frames: what was called for is drawn."""

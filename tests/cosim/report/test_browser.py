@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +12,77 @@ import numpy as np
 import pytest
 
 from evcot_cosim.report import Material, Side, write_report
+from support.texts import hard_to_read, texts_of
 
 from .conftest import Opened, material_of, summary_of
 
-BLUE, ORANGE = (0, 114, 178), (213, 94, 0)  # hardware, software, in light colours
+BLUE, ORANGE = (0, 104, 163), (168, 74, 0)  # hardware, software, in light colours
+SIZES = ((1280, 720), (1440, 900), (390, 844))
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 
 
 def coloured(pixels: Any, colour: tuple[int, int, int], reach: int = 40) -> int:
     """How many pixels have about a colour."""
     return int((np.abs(pixels - np.array(colour)).max(axis=2) < reach).sum())
+
+
+def rows(opened: Opened) -> list[list[str]]:
+    """The cells of the list of objects."""
+    return [text.split("\t") for text in opened.page.locator("#objects tbody tr").all_inner_texts()]
+
+
+def place_of(opened: Opened, number: int) -> tuple[float, float]:
+    """Where the middle of an object is on the page."""
+    script = """(number) => { const { stage, objects, clock } = report; const lives = objects.at(clock.now).get(number);
+      const box = objects.boxes(lives, clock.now).find(Boolean); const at = stage.canvas.getBoundingClientRect();
+      return [at.left + ((box.x - stage.centre.x) * stage.scale + stage.canvas.width / 2) / stage.ratio,
+        at.top + ((box.y - stage.centre.y) * stage.scale + stage.canvas.height / 2) / stage.ratio]; }"""
+    x, y = opened.ask(script, number)
+    return float(x), float(y)
+
+
+def free_object(opened: Opened) -> int:
+    """An object that no smaller box covers in its middle."""
+    for number in opened.ask("() => [...report.objects.at(report.clock.now).keys()]"):
+        x, y = place_of(opened, number)
+        opened.page.mouse.move(x, y)
+        if f"object {number}" in opened.page.locator("#read").inner_text().split("\n"):
+            return int(number)
+    raise AssertionError("every object is covered")
+
+
+@pytest.mark.parametrize(("width", "height"), SIZES)
+def test_picture_play_button_and_timeline_are_on_one_screen(browser: Any, report: Path, width: int, height: int) -> None:
+    context = PHONE if width < 500 else {"viewport": {"width": width, "height": height}}
+    opened = Opened(browser, report, **context)
+    for selector in ("#picture", "#play", "#timeline", "#tabs"):
+        box = opened.page.locator(selector).bounding_box()
+        assert box is not None
+        assert box["y"] >= 0, selector
+        assert box["y"] + box["height"] <= height + 0.5, selector
+        assert box["x"] + box["width"] <= width + 0.5, selector
+    assert opened.ask("() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]") == [width, height]
+    assert opened.complaints == []
+    opened.context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "height"), SIZES[1:])
+def test_every_text_is_large_and_has_contrast(browser: Any, report: Path, width: int, height: int, scheme: str) -> None:
+    context = PHONE if width < 500 else {"viewport": {"width": width, "height": height}}
+    opened = Opened(browser, report, "#see=1", color_scheme=scheme, **context)
+    seen = 0
+    for tab in opened.page.locator("[role=tab]").all():
+        tab.click()
+        seen += len(texts_of(opened.page))
+        assert hard_to_read(opened.page) == []
+    assert seen > 300
+    for menu in ("check-1", "compare", *(["keys"] if width > 500 else [])):
+        opened.page.locator(f"[popovertarget={menu}]").click()
+        assert hard_to_read(opened.page) == []
+        opened.page.keyboard.press("Escape")
+    assert opened.complaints == []
+    opened.context.close()
 
 
 def test_it_opens_at_a_merge_with_something_to_see(opened: Opened, material: Material) -> None:
@@ -38,32 +101,14 @@ def test_it_plays_pauses_and_stops_at_the_end(opened: Opened) -> None:
     stood = opened.now_us
     opened.page.wait_for_timeout(100)
     assert opened.now_us == stood
-    opened.page.get_by_label("Speed").select_option("4")
-    opened.page.keyboard.press("Tab")
-    opened.page.locator("#playback").evaluate("() => document.activeElement.blur()")
+    assert opened.page.locator("#said").inner_text() == f"Paused at {stood / 1e6:.3f} s"
+    opened.page.get_by_label("Speed").select_option("4.0")
+    opened.page.locator("#speed").evaluate("(one) => one.blur()")
     opened.page.keyboard.press("Space")
     opened.page.wait_for_function("() => !report.clock.playing && report.clock.now === report.clock.duration", timeout=20_000)
 
 
-def test_speeds_go_from_a_thousandth_to_four(opened: Opened) -> None:
-    speeds = opened.ask("() => [...document.querySelector('[name=speed]').options].map((option) => Number(option.value))")
-    assert (speeds[0], speeds[-1]) == (0.001, 4)
-    opened.page.keyboard.press("<")
-    assert opened.ask("() => report.clock.speed") in speeds
-
-
-def test_scrubbing_moves_the_time_the_picture_and_the_cursor(opened: Opened) -> None:
-    before = opened.drawn()
-    opened.page.locator("[name=scrub]").fill("9000")
-    assert opened.now_us == pytest.approx(0.9 * opened.ask("() => report.clock.duration"), rel=1e-3)
-    assert (opened.drawn() != before).any()
-    cursor, panel = (opened.page.locator(selector).bounding_box() for selector in (".panels > .cursor", "#rate"))
-    assert cursor is not None
-    assert panel is not None
-    assert cursor["x"] - panel["x"] == pytest.approx(0.9 * panel["width"], abs=2)
-
-
-def test_scrubbing_back_shows_what_playing_there_shows(opened: Opened) -> None:
+def test_going_back_shows_what_playing_there_shows(opened: Opened) -> None:
     opened.ask("() => report.clock.seek(200000)")
     for step in range(1, 11):
         opened.ask("time => report.clock.seek(time)", 200_000 + 5_000 * step)
@@ -71,79 +116,146 @@ def test_scrubbing_back_shows_what_playing_there_shows(opened: Opened) -> None:
     opened.ask("() => report.clock.seek(500000)")
     opened.ask("() => report.clock.seek(250000)")
     assert (opened.drawn() == played).all()
-    opened.ask("() => report.clock.seek(20000)")  # nothing has faded yet
-    early = opened.drawn()
-    opened.ask("() => report.clock.seek(45000)")
-    opened.ask("() => report.clock.seek(20000)")
-    assert (opened.drawn() == early).all()
 
 
-def test_a_link_of_a_merge_goes_there_and_looks_there(opened: Opened) -> None:
-    opened.ask("() => { report.clock.seek(0); report.stage.zoomAt(8, 200, 300); }")
-    link = opened.page.locator("#agreement .places a").first
-    target = link.get_attribute("href") or ""
-    link.click()
-    at_us, track = target.removeprefix("#at=").split("&see=")
-    assert opened.now_us == float(at_us)
-    selected = opened.ask("() => { const s = report.selection(); return `${s.side.name}-${s.side.ids[s.life]}`; }")
-    assert selected == track
-    place = "() => { const { side, life } = report.selection(); const c = side.cluster(life, report.clock.now, 0, false); "
-    assert opened.ask(place + "return report.stage.sees(c.x, c.y); }")
-    assert opened.page.locator("#stage").is_visible()
-    box = opened.page.locator("#stage").bounding_box()
-    assert box is not None
-    assert 0 <= box["y"] < 300  # scrolled to
-
-
-def test_a_bar_of_the_lifetimes_is_a_way_there(opened: Opened, material: Material) -> None:
-    merged = (
-        "() => { const s = report.sides[0]; const life = s.ended.indexOf(2); const lives = document.querySelector('#lives'); "
-    )
-    merged += "return { x: report.axis.toX(s.end[life], lives.clientWidth), life, at: s.end[life], lane: s.lane[life], "
-    merged += "lanes: report.sides.map((one) => one.lanes) }; }"
-    found = opened.ask(merged)
-    high = opened.ask("() => document.querySelector('#lives').clientHeight") - 22 * len(found["lanes"])  # below each side a gap
-    lane = high / sum(max(n, 2) for n in found["lanes"])
-    opened.page.locator("#lives").click(position={"x": found["x"], "y": (found["lane"] + 0.5) * lane})
-    assert opened.now_us == found["at"]
-    assert opened.ask("() => report.selection().side.ended[report.selection().life]") == 2
+def test_one_selection_for_picture_list_timeline_card_and_address(opened: Opened) -> None:
+    opened.ask("() => report.clock.seek(400000)")
+    number = free_object(opened)
+    opened.page.mouse.click(*place_of(opened, number))
+    assert opened.ask("() => report.selected()") == number
+    assert opened.now_us == 400_000, "selecting does not move the cursor"
+    assert opened.page.locator("#objects tr[aria-selected=true]").get_attribute("data-number") == str(number)
+    assert opened.page.locator("#card .object").inner_text() == f"Object {number}"
+    assert opened.page.url.endswith(f"#at=400000&see={number}")
+    assert coloured(opened.pixels("#timeline"), (239, 233, 251), 3) > 200, "its row is tinted"
     opened.page.keyboard.press("Escape")
-    assert opened.ask("() => report.selection()") is None
-    opened.page.locator("#lives").click(position={"x": 300, "y": 0.5 * lane})
-    assert opened.ask("() => report.selection().side.name") == "hardware"
-    width = opened.ask("() => document.querySelector('#lives').clientWidth")
-    assert opened.now_us == pytest.approx(300 / width * opened.ask("() => report.clock.duration"), rel=0.01)
+    assert opened.ask("() => report.selected()") == 0
+    assert coloured(opened.pixels("#timeline"), (239, 233, 251), 3) < 30
+    opened.page.locator("#objects tbody tr").first.click()
+    assert opened.ask("() => report.selected()") == int(rows(opened)[0][0])
+
+
+def test_a_bar_of_the_timeline_selects_and_anywhere_seeks(opened: Opened) -> None:
+    bar = """() => { const { timeline, objects } = report; const object = objects.list.find((one) => one.row === 0);
+      const at = timeline.canvas.getBoundingClientRect(); const time = (object.birth + object.end) / 2;
+      return { number: object.number, time, x: at.left + timeline.x(time), y: at.top + timeline.top + 4 }; }"""
+    found = opened.ask(bar)
+    opened.page.mouse.click(found["x"], found["y"])
+    assert opened.ask("() => report.selected()") == found["number"]
+    assert opened.now_us == pytest.approx(found["time"], abs=2_000)
+    opened.page.mouse.move(found["x"], 690)
+    box = opened.page.locator("#timeline").bounding_box()
+    assert box is not None
+    opened.page.mouse.move(box["x"] + 300, box["y"] + 30)
+    opened.page.mouse.down()
+    opened.page.mouse.move(box["x"] + 400, box["y"] + 30, steps=3)
+    dragged = opened.now_us
+    opened.page.mouse.up()
+    assert dragged == pytest.approx(opened.ask("() => report.timeline.time(400)"), abs=2_000)
+    assert opened.ask("() => report.selected()") == found["number"], "a drag beside the bars selects nothing else"
+
+
+def test_the_card_has_the_command_that_shows_the_birth_of_its_track(opened: Opened, material: Material) -> None:
+    number, track = opened.ask("() => { const side = report.sides[0]; return [side.object[2], side.ids[2]]; }")
+    opened.ask("number => { location.hash = `#see=${number}`; }", number)
+    command = opened.page.locator("#card code").inner_text()
+    first = opened.ask("(n) => report.sides[0].ids[report.objects.byNumber.get(n).lives[0][0]]", number)
+    assert command == f"evcot waves build/cosim/boxes --around birth:{first}"
+    assert opened.page.locator("#card canvas").count() >= 2
+    moments = opened.page.locator("#card .moments button")
+    at_us = int(moments.last.get_attribute("data-at") or -1)
+    moments.last.click()
+    assert opened.now_us == at_us
+    assert track in opened.page.locator("#card .title").inner_text()
+
+
+def test_every_side_of_an_object_has_its_number(opened: Opened) -> None:
+    """What Python paired is what the list says, id by id."""
+    opened.page.locator("[data-filter=all]").click()
+    shown = {row[0]: row[1:4] for row in rows(opened)}
+    for i, name in enumerate(("hardware", "software", "truth")):
+        expected: dict[str, list[str]] = {}
+        for number, track in opened.ask(f"() => report.sides[{i}].ids.map((id, life) => [report.sides[{i}].object[life], id])"):
+            expected.setdefault(str(int(number)), []).append(track)
+        assert opened.ask(f"() => report.sides[{i}].name") == name
+        for number, cells in shown.items():
+            ids = list(dict.fromkeys(expected.get(number, [])))
+            assert cells[i] == ("–" if not ids else f"{len(ids)} tracks" if len(ids) > 3 else ", ".join(ids))
+
+
+def test_the_list_is_filtered_sorted_and_searched(opened: Opened) -> None:
+    opened.ask("() => report.clock.seek(400000)")
+    now = len(rows(opened))
+    assert now == opened.ask("() => report.objects.at(400000).size")
+    opened.page.locator("[data-filter=all]").click()
+    numbers = [int(row[0]) for row in rows(opened)]
+    assert numbers == list(range(1, len(numbers) + 1))
+    assert len(numbers) > now
+    opened.page.locator("[data-sort=number]").click()
+    assert [int(row[0]) for row in rows(opened)] == numbers[::-1]
+    opened.page.locator("[data-sort=hardware]").click()
+    first = [row[1].split(",")[0] for row in rows(opened) if row[1] != "–" and "tracks" not in row[1]]
+    assert [int(track) for track in first] == sorted(int(track) for track in first)
+    opened.page.keyboard.press("/")
+    opened.page.keyboard.type("hw 0")
+    assert len(rows(opened)) == 1
+    assert rows(opened)[0][1].split(", ")[0] == "0"
+
+
+def test_a_moment_of_the_agreement_is_gone_to_and_selects(opened: Opened) -> None:
+    opened.page.keyboard.press("g")
+    opened.page.keyboard.press("a")
+    assert opened.page.locator("#panel-agreement").is_visible()
+    line = opened.page.locator("#merges .place").first
+    at_us, number = line.get_attribute("data-at"), line.get_attribute("data-number")
+    line.click()
+    assert opened.now_us == float(at_us or -1)
+    assert opened.ask("() => report.selected()") == int(number or -1)
+    assert opened.page.locator("#panel-agreement").is_visible(), "the tab stays"
 
 
 def test_keys_step_to_every_kind_of_moment(opened: Opened, material: Material) -> None:
     log, begin_us = material.sides[0].log, material.span_us[0]
-    opened.page.get_by_label("software: boxes").uncheck()
-    opened.page.get_by_label("software: ids").uncheck()
-    opened.page.get_by_label("software: trails").uncheck()
-    opened.page.get_by_label("software: velocities").uncheck()
-    opened.page.locator("#layers").evaluate("() => document.activeElement.blur()")
-    opened.page.get_by_label("truth: boxes").uncheck()
-    opened.page.locator("#layers").evaluate("() => document.activeElement.blur()")
-    for key, kind in (("m", 2), ("b", 0), ("u", None), ("e", -1)):
+    opened.page.keyboard.press("2")
+    for key, kind in (("m", 2), ("u", None), ("e", -1)):
         opened.ask("() => report.clock.seek(100000)")
         opened.page.keyboard.press(key)
         times_us = material.recording.events.t_us if kind == -1 else log.records["t_us"]
         if kind is not None and kind >= 0:
-            times_us = log.records["t_us"][log.records["kind"] == kind]
+            lasting = opened.ask("() => report.sides[0].end.filter((_, life) => report.sides[0].ended[life] === 2)")
+            times_us = np.array([*lasting.values()] if isinstance(lasting, dict) else lasting) + begin_us
         later = times_us[times_us - begin_us > 100_000] - begin_us
         assert opened.now_us == later.min(), key
         opened.page.keyboard.press(f"Shift+{key.upper()}")
         earlier = times_us[times_us - begin_us < later.min()] - begin_us
         if len(earlier):
             assert opened.now_us == earlier.max(), key
+    opened.page.keyboard.press("2")
     opened.ask("() => report.clock.seek(0)")
     opened.page.keyboard.press("d")
-    agreement = material.summary["agreement"]
-    assert agreement["merges_unpaired_hardware"] or agreement["tracks_unpaired_software"]
     assert opened.now_us > 0
+    assert opened.ask("() => report.objects.differs(report.objects.byNumber.get(report.selected()))")
     opened.page.keyboard.press("End")
     opened.page.keyboard.press("m")
-    assert "No merge after" in opened.page.locator("#said").inner_text()
+    assert opened.page.locator("#said").inner_text() == "No merge after this time."
+
+
+def test_keys_go_through_objects_and_follow_them(opened: Opened) -> None:
+    opened.ask("() => report.clock.seek(400000)")
+    opened.page.keyboard.press("j")
+    first = opened.ask("() => report.selected()")
+    opened.page.keyboard.press("j")
+    second = opened.ask("() => report.selected()")
+    opened.page.keyboard.press("k")
+    assert first == opened.ask("() => report.selected()") != second
+    opened.page.keyboard.press("f")
+    opened.ask("() => report.clock.seek(410000)")
+    assert opened.ask("() => report.stage.zoom") == 2
+    opened.page.keyboard.press("z")
+    object_ = opened.ask("() => report.objects.byNumber.get(report.selected())")
+    assert opened.ask("() => report.axis.from") <= object_["birth"]
+    opened.page.keyboard.press("?")
+    assert opened.page.locator("#keys").is_visible()
 
 
 def test_layers_switch_what_is_drawn(opened: Opened) -> None:
@@ -152,81 +264,16 @@ def test_layers_switch_what_is_drawn(opened: Opened) -> None:
     assert coloured(opened.drawn(), BLUE) < 20
     opened.page.keyboard.press("1")
     assert coloured(opened.drawn(), BLUE) > 500
-    both = opened.drawn()
-    opened.page.get_by_label("hardware: inner radius").check()
-    assert (opened.drawn() != both).any()
-    for part in ("boxes", "inner radius", "ids", "trails"):
-        before = coloured(opened.drawn(), BLUE)
-        opened.page.get_by_label(f"hardware: {part}").uncheck()
-        assert coloured(opened.drawn(), BLUE) < before, part
-        opened.page.get_by_label(f"hardware: {part}").check()
-        assert coloured(opened.drawn(), BLUE) == before, part
-    for polarity in ("ON", "OFF"):
+    for name in ("trails", "numbers", "colours", "on", "off"):
         before = opened.drawn()
-        opened.page.get_by_label(polarity, exact=True).uncheck()
-        assert (opened.drawn() != before).any()
-    for layer in ("hardware", "software", "truth"):
-        for part in ("boxes", "inner radius", "ids", "trails", "velocities"):
-            box = opened.page.get_by_label(f"{layer}: {part}", exact=True)
-            if box.count():
-                box.uncheck()
-    assert len(np.unique(opened.drawn()[5:-5, 5:-5].reshape(-1, 3), axis=0)) == 1  # the bare ground
-
-
-def test_a_velocity_is_an_arrow_ahead_of_its_object(opened: Opened) -> None:
-    for part in ("boxes", "ids", "trails"):
-        opened.page.get_by_label(f"software: {part}").uncheck()
-    opened.ask("() => report.clock.seek(400000)")
-    assert opened.ask("() => report.sides.map((side) => side.moving)")[1]
-    with_arrows = coloured(opened.drawn(), ORANGE)
-    opened.page.get_by_label("software: velocities").uncheck()
-    assert coloured(opened.drawn(), ORANGE) < with_arrows
-    assert opened.page.get_by_label("hardware: no velocities").count() == 1  # whose records have none
-
-
-def test_the_tracks_of_the_moment_are_listed_and_chosen(opened: Opened) -> None:
-    opened.ask("() => report.clock.seek(400000)")
-    alive = opened.ask(
-        "() => report.sides.flatMap((side) => side.livesAt(400000).map((life) => `${side.name} ${side.ids[life]}`))"
-    )
-    rows = opened.page.locator("#alive-now tr")
-    assert [text.split("\t")[0] for text in rows.all_inner_texts()] == alive
-    assert len(alive) > 2
-    rows.nth(1).click()
-    assert opened.page.locator("#chosen").inner_text() == alive[1]
-    opened.page.wait_for_selector("#alive-now tr:nth-child(2)[aria-selected=true]")  # drawn with the next picture
-
-
-def test_decay_lets_more_events_be_seen(opened: Opened) -> None:
-    opened.page.keyboard.press("1")
-    opened.page.keyboard.press("2")
-    opened.page.keyboard.press("3")
-    few = (opened.drawn() < 250).any(axis=2).sum()
-    opened.page.locator("[name=decay]").fill("5")
-    assert (opened.drawn() < 250).any(axis=2).sum() > 2 * few
-
-
-def test_hovering_tells_time_place_and_owner(opened: Opened, material: Material) -> None:
-    found = opened.ask(
-        "() => { const r = report.recording; let i = r.upTo(report.clock.now) - 1; while (r.owners[r.owner[i]][0] < 0) i--; "
-        "const box = report.stage.canvas.getBoundingClientRect(); const s = report.stage; "
-        "return { i, x: box.left + ((r.x[i] - s.centre.x) * s.scale + s.canvas.width / 2) / s.ratio, "
-        "y: box.top + ((r.y[i] - s.centre.y) * s.scale + s.canvas.height / 2) / s.ratio }; }"
-    )
-    opened.page.mouse.move(found["x"], found["y"])
-    words = opened.page.locator("#hover").inner_text().split("\n")
-    result = dict(zip(words[::2], words[1::2], strict=True))
-    events = material.recording.events
-    assert (int(result["x"]), int(result["y"])) == (events.x[found["i"]], events.y[found["i"]])
-    assert result["polarity"] in ("ON", "OFF")
-    assert "ms" in result["t"]
-    assert result["hardware"].startswith(("track ", "slot "))
+        opened.page.locator(f"#rail [name={name}]").click()
+        assert (opened.drawn() != before).any(), name
 
 
 def test_zooming_keeps_what_is_under_the_pointer(opened: Opened) -> None:
-    box = opened.page.locator("#stage").bounding_box()
+    box = opened.page.locator("#picture").bounding_box()
     assert box is not None
-    x, y = round(box["x"]) + 200, round(box["y"]) + 200
+    x, y = round(box["x"]) + 250, round(box["y"]) + 200
     before = opened.ask("([x, y]) => report.stage.toSensor(x, y)", [x, y])
     opened.page.mouse.move(x, y)
     opened.page.keyboard.down("Control")
@@ -239,7 +286,8 @@ def test_zooming_keeps_what_is_under_the_pointer(opened: Opened) -> None:
     opened.page.mouse.move(x + 40, y, steps=3)
     opened.page.mouse.up()
     assert opened.ask("([x, y]) => report.stage.toSensor(x, y).x", [x + 40, y]) == pytest.approx(after["x"], abs=0.5)
-    opened.page.get_by_label("Show the whole sensor").click()
+    assert opened.ask("() => report.selected()") == 0, "a drag is no click"
+    opened.page.keyboard.press("0")
     assert opened.ask("() => report.stage.zoom") == 1
 
 
@@ -250,16 +298,41 @@ def test_the_timeline_zooms_and_follows(opened: Opened) -> None:
     span = opened.ask("() => [report.axis.from, report.axis.to]")
     assert span[0] < 100_000 < span[1]
     assert span[1] - span[0] == pytest.approx(opened.ask("() => report.axis.duration") / 16)
-    opened.ask("() => { report.clock.seek(span => span); report.clock.now = report.axis.to - 1; report.clock.play(); }")
+    opened.ask("() => { report.clock.now = report.axis.to - 1; report.clock.play(); }")
     opened.page.wait_for_function("end => report.axis.to > end", arg=span[1])
 
 
-def test_the_help_lists_keys(opened: Opened) -> None:
-    opened.page.keyboard.press("?")
-    assert opened.page.locator("#help").is_visible()
-    assert "update of a centre (CM)" in opened.page.locator("#help").inner_text()
-    opened.page.keyboard.press("Escape")
-    assert not opened.page.locator("#help").is_visible()
+def test_a_heat_map_is_laid_over_the_picture(opened: Opened) -> None:
+    opened.page.locator("#tab-heat").click()
+    before = opened.drawn()
+    opened.page.locator("[data-heat]").first.click()
+    assert (opened.drawn() != before).mean() > 0.5
+    opened.page.locator("[data-heat]").first.click()
+    assert (opened.drawn() == before).all()
+
+
+def test_times_follow_the_clock_that_is_asked_for(opened: Opened) -> None:
+    opened.page.locator("#tab-timing").click()
+    assert opened.page.locator("[data-clocks]").first.inner_text() == "0.02 µs"
+    opened.page.locator("#megahertz").fill("50")
+    assert opened.page.locator("[data-clocks]").first.inner_text() == "0.04 µs"
+
+
+def test_panes_are_resized_and_remembered(opened: Opened) -> None:
+    box = opened.page.locator("[data-split='--time-height']").bounding_box()
+    assert box is not None
+    before = opened.page.locator("#timeline").bounding_box()
+    opened.page.mouse.move(box["x"] + 300, box["y"] + 3)
+    opened.page.mouse.down()
+    opened.page.mouse.move(box["x"] + 300, box["y"] - 97, steps=4)
+    opened.page.mouse.up()
+    after = opened.page.locator("#timeline").bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["height"] == pytest.approx(before["height"] + 100, abs=2)
+    opened.page.reload()
+    opened.page.wait_for_selector("html[data-ready]")
+    assert opened.page.locator("#timeline").bounding_box() == after
 
 
 def test_every_control_has_a_name(opened: Opened) -> None:
@@ -272,89 +345,93 @@ def test_every_control_has_a_name(opened: Opened) -> None:
 
 
 def test_nothing_jumps_while_it_loads(browser: Any, report: Path) -> None:
-    context = browser.new_context(viewport={"width": 1280, "height": 2_000})
+    context = browser.new_context(viewport={"width": 1280, "height": 900})
     page = context.new_page()
     page.add_init_script(
         "window.moved = 0; new PerformanceObserver((list) => list.getEntries().forEach((one) => (window.moved += one.value)))"
         ".observe({ type: 'layout-shift', buffered: true });"
     )
     page.goto(f"file://{report}")
-    page.wait_for_selector("#workspace[data-ready]")
+    page.wait_for_selector("html[data-ready]")
     page.wait_for_timeout(200)
-    assert page.evaluate("() => window.moved") < 0.01
+    assert page.evaluate("() => window.moved") < 0.02
     context.close()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_follows_the_systems_colours_and_the_button(browser: Any, report: Path, scheme: str) -> None:
-    opened = Opened(browser, report, color_scheme=scheme)
-    brightness = opened.pixels("body").mean()
-    assert (brightness > 200) if scheme == "light" else (brightness < 60)
-    ground = opened.drawn().mean()
-    assert (ground > 200) if scheme == "light" else (ground < 60)
-    button = opened.page.locator("#theme")
-    button.click()
+def test_it_follows_the_systems_colours_and_the_button(browser: Any, report: Path) -> None:
+    opened = Opened(browser, report, color_scheme="dark")
+    assert opened.pixels("body").mean() < 60
+    assert opened.drawn().mean() < 60
+    opened.page.keyboard.press("t")
     assert opened.drawn().mean() > 200
-    button.click()
+    opened.page.reload()
+    opened.page.wait_for_selector("html[data-ready]")
+    assert opened.drawn().mean() > 200, "it is remembered"
+    opened.page.keyboard.press("t")
     assert opened.drawn().mean() < 60
     assert opened.complaints == []
     opened.context.close()
 
 
-def test_a_phone_shows_it_all_without_scrolling_sideways(browser: Any, report: Path) -> None:
-    opened = Opened(browser, report, viewport={"width": 360, "height": 740}, has_touch=True, is_mobile=True)
-    assert opened.ask("() => document.documentElement.scrollWidth") == 360
+def test_on_a_phone_one_taps(browser: Any, report: Path) -> None:
+    opened = Opened(browser, report, **PHONE)
     small = opened.ask(
-        "() => [...document.querySelectorAll('button, select')].filter((one) => one.offsetParent && !one.matches('.link') && "
-        "one.getBoundingClientRect().height < 34).map((one) => one.outerHTML)"
+        "() => [...document.querySelectorAll('#transport :is(button, select), #menus button')].filter((one) => "
+        "one.offsetParent && one.getBoundingClientRect().height < 40).map((one) => one.outerHTML)"
     )
     assert small == []
-    box = opened.page.locator("#stage").bounding_box()
-    assert box is not None
-    assert box["width"] > 330
-    opened.page.locator("#lives").tap(position={"x": 100, "y": 8})
-    assert opened.ask("() => report.selection() !== null")
+    opened.page.locator("#objects tbody tr").first.tap()
+    card, table = (opened.page.locator(selector).bounding_box() for selector in ("#card", "#objects"))
+    assert card is not None
+    assert table is not None
+    assert card["y"] < table["y"], "the card is above the list"
+    opened.page.locator("[data-act=layers]").tap()
+    assert opened.page.locator("#rail").is_visible()
     assert opened.complaints == []
     opened.context.close()
 
 
-def test_it_prints_light_and_without_controls(browser: Any, report: Path) -> None:
+def test_it_prints_light_with_every_tab_and_without_controls(browser: Any, report: Path) -> None:
     opened = Opened(browser, report, color_scheme="dark")
-    opened.page.emulate_media(media="print")
-    opened.ask("() => null")
-    assert opened.drawn().mean() > 200
-    assert not opened.page.locator("#layers").is_visible()
-    assert opened.page.locator("#agreement table").is_visible()
-    assert len(opened.page.pdf(format="A4")) > 50_000
-    opened.page.emulate_media(media="screen")
-    assert opened.drawn().mean() < 60
-    at_once = (
+    bright = (
         "() => { dispatchEvent(new Event('beforeprint')); const { data } = report.stage.context.getImageData(0, 0, 99, 99); "
     )
-    at_once += "dispatchEvent(new Event('afterprint')); return data[4 * 50 * 99]; }"
-    assert opened.page.evaluate(at_once) > 200
+    bright += "dispatchEvent(new Event('afterprint')); return data[4 * 50 * 99]; }"
+    assert opened.page.evaluate(bright) > 200
     assert opened.drawn().mean() < 60
+    opened.page.emulate_media(media="print")
+    assert not opened.page.locator("#rail").is_visible()
+    for tab in ("objects", "scores", "agreement", "run"):
+        assert opened.page.locator(f"#panel-{tab}").is_visible(), tab
+    assert len(opened.page.pdf(format="A4")) > 50_000
     opened.context.close()
 
 
 def test_an_address_with_a_time_opens_there(browser: Any, report: Path) -> None:
-    opened = Opened(browser, report, "#at=123456&see=hardware-0")
+    opened = Opened(browser, report, "#at=123456&see=2")
     assert opened.now_us == 123_456
-    assert opened.ask("() => report.selection().side.ids[report.selection().life]") == "0"
+    assert opened.ask("() => report.selected()") == 2
     opened.context.close()
-    for wrong in ("#at=x", "#at=5&see=nobody-1", "#see=hardware-0", "#at=1e99"):
+    opened = Opened(browser, report, "#at=5&see=hardware-0")
+    assert opened.ask("() => report.selected() === report.sides[0].object[report.sides[0].ids.indexOf('0')]")
+    opened.context.close()
+    for wrong in ("#at=x", "#at=5&see=nobody-1", "#see=99999", "#at=1e99"):
         opened = Opened(browser, report, wrong)
         assert opened.complaints == []
         opened.context.close()
 
 
-def test_a_run_of_nothing_opens(browser: Any, tmp_path: Path) -> None:
+def test_a_run_of_nothing_opens_and_says_what_is_missing(browser: Any, tmp_path: Path) -> None:
     from .test_page import empty
 
     write_report(Material(empty(), summary_of("nothing"), ()), tmp_path / "empty.html")
     opened = Opened(browser, tmp_path / "empty.html")
-    for key in ("Space", "m", "e", "1", "End"):
+    for key in ("Space", "m", "e", "1", "j", "f", "z", "/", "End"):
         opened.page.keyboard.press(key)
+    assert opened.page.locator("#empty").is_visible()
+    opened.page.locator("#tab-run").click()
+    opened.page.get_by_role("button", name="What to do").click()
+    assert "A recording of 50 ms at least" in opened.page.locator("#panel-missing").inner_text()
     assert opened.complaints == []
     opened.context.close()
 
@@ -371,22 +448,32 @@ def test_a_hostile_name_does_nothing(browser: Any, material: Material, tmp_path:
 
 def test_a_mismatch_leads_and_is_where_the_playback_stands(browser: Any, material: Material, tmp_path: Path) -> None:
     found = {
-        "event_index": 60_000,
-        "tick": 9,
-        "field": "owner",
-        "hardware": 1,
-        "model": 2,
-        "seed": None,
+        "event_index": 60_000, "tick": 9, "field": "owner", "hardware": 1, "model": 2, "seed": None,
         "config": {"module": "cot_array"},
-    }
+    }  # fmt: skip
     sides = (material.sides[0], Side("model", material.sides[0].log))
     write_report(Material(material.recording, summary_of(exact=False, mismatch=found), sides), tmp_path / "m.html")
     opened = Opened(browser, tmp_path / "m.html")
     at_us = material.recording.events.t_us[60_000] - material.span_us[0]
     assert opened.now_us == at_us
+    assert opened.page.locator("#panel-mismatch").is_visible()
     opened.page.keyboard.press("Home")
     opened.page.keyboard.press("d")
     assert opened.now_us == at_us
+    assert coloured(opened.pixels("#timeline"), (180, 35, 24), 3) > 100, "the end of the run is marked"
+    assert opened.complaints == []
+    opened.context.close()
+
+
+def test_software_alone_speaks_of_no_hardware(browser: Any, material: Material, tmp_path: Path) -> None:
+    sides = (Side("software", material.sides[1].log),)
+    write_report(Material(material.recording, {"name": "alone"}, sides), tmp_path / "alone.html")
+    opened = Opened(browser, tmp_path / "alone.html")
+    opened.page.locator("#objects tbody tr").first.click()
+    text = opened.page.locator("#app").inner_text()
+    for word in ("Agreement", "Timing", "Differ", "hardware", "HW", "evcot waves"):
+        assert word not in text, word
+    assert {row[-1] for row in rows(opened)} == {"tracked"}
     assert opened.complaints == []
     opened.context.close()
 
@@ -398,24 +485,29 @@ def long_report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert len(material.recording.events) > 2_000_000
     path = tmp_path_factory.mktemp("long") / "report.html"
     write_report(material, path)
-    assert path.stat().st_size < 10_000_000
+    assert path.stat().st_size <= 4_000_000
     return path
 
 
-def test_two_million_events_play_smoothly(browser: Any, long_report: Path) -> None:
+def test_two_million_events_are_ready_soon_and_play_smoothly(browser: Any, long_report: Path) -> None:
+    began = time.perf_counter()
     opened = Opened(browser, long_report)
+    ready_s = time.perf_counter() - began
+    assert "events drawn" in opened.page.locator("#verdict").inner_text()
     opened.ask("() => { report.clock.now = 0; report.clock.speed = 1; report.clock.play(); }")
     opened.page.wait_for_timeout(300)
-    measure = (
-        "async () => { const draw = report.clock.changed; const spent = []; report.clock.changed = (clock) => { const at = "
-    )
-    measure += "performance.now(); draw(clock); spent.push(performance.now() - at); }; const begin = performance.now(); "
-    measure += "await new Promise((done) => setTimeout(done, 2000)); report.clock.changed = draw; "
-    measure += "return { rate: (1000 * spent.length) / (performance.now() - begin), "
-    measure += "median: spent.sort((a, b) => a - b)[spent.length >> 1] }; }"
+    measure = """async () => { const draw = report.clock.changed; const spent = [];
+      report.clock.changed = (clock) => { const at = performance.now(); draw(clock); spent.push(performance.now() - at); };
+      const begin = performance.now(); await new Promise((done) => setTimeout(done, 2000)); report.clock.changed = draw;
+      const rate = (1000 * spent.length) / (performance.now() - begin);
+      return { rate, median: spent.sort((a, b) => a - b)[spent.length >> 1] }; }"""
     found = opened.page.evaluate(measure)
     opened.context.close()
+    print(f"ready in {ready_s:.2f} s, {found['rate']:.0f} frames/s, {found['median']:.2f} ms to draw one")
     if os.getloadavg()[0] > 1.5:
-        pytest.skip(f"the machine is busy: {found['rate']:.0f} frames/s, {found['median']:.1f} ms to draw one")
+        pytest.skip(
+            f"the machine is busy: ready in {ready_s:.2f} s, {found['rate']:.0f} frames/s, {found['median']:.1f} ms to draw one"
+        )
+    assert ready_s <= 1.5
     assert found["rate"] > 55
-    assert found["median"] < 8  # ms to draw a frame, of the 16.7 that there are
+    assert found["median"] <= 5  # ms to draw a frame, of the 16.7 that there are

@@ -41,8 +41,12 @@ def dark(**more: Any) -> dict[str, Any]:
     return {"color_scheme": "dark", **more}
 
 
-def to_merge(opened: Opened) -> None:
-    opened.page.locator("#agreement .places a").first.click()
+def clicked(selector: str) -> Callable[[Opened], None]:
+    return lambda opened: opened.page.locator(selector).first.click()
+
+
+def selected(opened: Opened) -> None:
+    opened.ask("() => { location.hash = '#at=400000&see=1'; }")
 
 
 def zoomed(opened: Opened) -> None:
@@ -51,27 +55,19 @@ def zoomed(opened: Opened) -> None:
         opened.page.get_by_label("Zoom in on the time").click()
 
 
-def timeline(opened: Opened) -> None:
-    opened.page.locator("#timeline").evaluate("(one) => one.scrollIntoView()")
-
-
-def run(opened: Opened) -> None:
-    opened.page.locator("#heat").evaluate("(one) => one.scrollIntoView()")
-
-
 def printed(opened: Opened) -> None:
     opened.page.emulate_media(media="print")
 
 
 STATES = {
     "opened": State(),
-    "dark": State(context=dark()),
-    "merge": State(to_merge),
+    "dark": State(selected, context=dark()),
+    "selected": State(selected),
     "zoomed": State(zoomed, dark()),
-    "timeline": State(timeline),
-    "run": State(run),
+    "scores": State(clicked("#tab-scores")),
+    "heat": State(clicked("#tab-heat")),
     "help": State(lambda opened: opened.page.keyboard.press("?")),
-    "phone": State(context=dark(viewport={"width": 360, "height": 740}, is_mobile=True, has_touch=True)),
+    "phone": State(context=dark(viewport={"width": 390, "height": 844}, is_mobile=True, has_touch=True)),
     "print": State(printed, dark()),
     "mismatch": State(mismatch=True),
 }
@@ -126,7 +122,7 @@ def test_a_state_looks_as_it_did(name: str, browser: Any, pages: dict[bool, Path
 
 
 def test_kept_states_differ_from_each_other() -> None:
-    images = {name: Image.open(BASELINE / f"{name}.png").convert("RGB") for name in ("opened", "merge", "timeline", "mismatch")}
+    images = {name: Image.open(BASELINE / f"{name}.png").convert("RGB") for name in ("opened", "selected", "heat", "mismatch")}
     for name, one in images.items():
         for other, two in images.items():
             mean, share = difference(one, two)

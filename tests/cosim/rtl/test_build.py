@@ -20,6 +20,7 @@ import pytest
 from evcot.errors import ToolchainError
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, RANDOM_INITIAL_FLAGS, build, load
 from evcot_cosim.rtl.files import manifest, rtl_files, verilog_dir
+from evcot_cosim.rtl.joined import main
 from evcot_cosim.rtl.toolchain import find_toolchain
 
 COUNTER = """
@@ -309,3 +310,23 @@ def test_another_copy_of_the_rtl_can_be_named(monkeypatch: pytest.MonkeyPatch, t
     assert verilog_dir() == tmp_path
     monkeypatch.delenv("EVCOT_VERILOG")
     assert (verilog_dir() / "tracker" / "array" / "cot_array.v").is_file()
+
+
+def test_macros_and_files_keep_their_order(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["pyverilator_wrapper.cpp", "stream.cpp", "-DVL_INCLUDE_OPT=include", "Vcot.cpp"])
+    assert capsys.readouterr().out.splitlines() == [
+        '#include "pyverilator_wrapper.cpp"',
+        '#include "stream.cpp"',
+        "#define VL_INCLUDE_OPT include",
+        '#include "Vcot.cpp"',
+    ]
+
+
+def test_only_what_runs_once_is_not_optimised(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["Vcot___024root__0.cpp", "Vcot___024root__0__Slow.cpp", "Vcot__Trace__0.cpp"])
+    lines = capsys.readouterr().out.splitlines()
+    begin, end = lines.index("#pragma GCC push_options"), lines.index("#pragma GCC pop_options")
+    assert '#pragma GCC optimize ("O0")' in lines[begin:end]
+    assert [line for line in lines[begin:end] if "include" in line] == ['#include "Vcot___024root__0__Slow.cpp"']
+    assert lines[0] == '#include "Vcot___024root__0.cpp"'
+    assert lines[-1] == '#include "Vcot__Trace__0.cpp"'

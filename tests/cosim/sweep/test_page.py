@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,11 @@ import pytest
 from evcot_cosim.sweep.finish import leaders
 from evcot_cosim.sweep.page import render
 from evcot_cosim.sweep.results import best_first, families_of, front, grouped, responses
+from evcot_cosim.sweep.run import run_sweep
 from evcot_cosim.sweep.spec import Spec, spec_from
 from evcot_cosim.sweep.task import Task, canonical
-from support.sweeping import until
+from support.sweeping import recorded, until
+from support.texts import hard_to_read
 
 
 def row(number: int, settings: dict[str, Any], family: str = "a", status: str = "done", **figures: Any) -> dict[str, Any]:
@@ -137,6 +140,10 @@ def test_the_page_is_drawn_and_filtered(tmp_path: Path, browser: Any) -> None:
     assert page.eval_on_selector("#parallel", drawn) > 20
     assert page.locator("#responses figure").count() == 2
     assert "a <script>worker</script> was killed" in page.inner_text("#faults")
+    for theme in ("light", "dark"):
+        page.locator("#theme").click()
+        assert page.evaluate("document.documentElement.dataset.theme") == theme
+        assert hard_to_read(page) == []
     page.close()
 
 
@@ -180,3 +187,42 @@ def test_a_hundred_thousand_configurations_are_a_page(tmp_path: Path) -> None:
     assert facts["count"] == 100_000
     assert len(page) < 3_000_000
     assert not re.search(r'(?:src|href)="(?:https?:)?//', page), "nothing from elsewhere"
+
+
+PAGE = (Path(__file__).parents[3] / "docs" / "sweeps.md").read_text()
+
+
+def blocks(language: str) -> list[str]:
+    found = re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    assert found
+    return found
+
+
+def test_the_specifications_are_some(tmp_path: Path) -> None:
+    for text in blocks("toml"):
+        spec = spec_from(tomllib.loads(text), tmp_path, "page")
+        assert spec.fuzz or spec.axes
+
+
+def test_the_queries_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    duckdb = pytest.importorskip("duckdb")
+    recorded(tmp_path, 1)
+    values = {
+        "recordings": ["discs1.npz"], "engines": ["rct", "cot_array"], "preset": "discs",
+        "fields": {"rct.radius_px": [6.0, 9.0], "cot.init_radix": [8, 10, 30], "shape.n_slots": [2, 4]},
+    }  # fmt: skip
+    # 30 is above radix_max with every number of slots, but not for the tracker in software.
+    values["fields"]["cot.radix_max"] = [12, 30]  # type: ignore[index]
+    swept = run_sweep(spec_from(values, tmp_path, "page"), tmp_path.with_name("page"), jobs=1)
+    monkeypatch.chdir(swept.folder)
+    best, front, faults, took, plan = (duckdb.sql(query).fetchall() for query in blocks("sql"))
+    assert len(best) == 3, "two radii, and the model"
+    assert sorted(row[2] for row in best) == sorted(row[2] for row in best)
+    assert [row[2] for row in best] == sorted((row[2] for row in best), reverse=True)
+    costs = [row[-1] for row in front]
+    assert costs == sorted(costs)
+    assert 1 <= len(front) <= 12
+    assert {row[0] for row in faults} == {"invalid"}
+    assert {row[1] for row in took} == {"rct", "cot_array"}
+    assert sum(row[2] for row in took) == swept.runs
+    assert plan[0][0] == swept.runs - len(faults)

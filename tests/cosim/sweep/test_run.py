@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,12 @@ import pytest
 
 import evcot
 from evcot.errors import ConfigError, OutputError
+from evcot.hardware.modules import MODULES
 from evcot_cosim.sweep import machine
 from evcot_cosim.sweep.execute import execute
 from evcot_cosim.sweep.metrics import METRICS
 from evcot_cosim.sweep.plan import Planner, points_of
-from evcot_cosim.sweep.repeat import repeat
+from evcot_cosim.sweep.playback import repeat
 from evcot_cosim.sweep.run import Swept, run_sweep
 from evcot_cosim.sweep.spec import Spec, read_spec, spec_from, spec_toml
 from evcot_cosim.sweep.store import Store, read_rows
@@ -127,7 +129,7 @@ def test_one_run_is_repeated_by_its_key(once: tuple[Swept, Path], monkeypatch: p
     with pytest.raises(ConfigError, match="--only 0: is the key of 0 runs"):
         repeat(out, "0")
     changed = execute(Task.from_json(row["task"]))
-    monkeypatch.setattr("evcot_cosim.sweep.repeat.execute", lambda _: changed | {"hota": 0.25})
+    monkeypatch.setattr("evcot_cosim.sweep.playback.execute", lambda _: changed | {"hota": 0.25})
     (difference,) = repeat(out, row["key"]).differences
     assert (difference.name, difference.stored, difference.now) == ("hota", row["hota"], 0.25)
 
@@ -194,13 +196,14 @@ def test_a_damaged_file_and_settings_that_contradict_each_other_are_rows(tmp_pat
         ({"seeds": {"from": 4, "to": 3}}, "seeds: from 4 to 3: must not be negative or empty"),
         ({"seeds": []}, "seeds = []: must be whole numbers"),
         ({"parts": [[5, 5]]}, "parts = [[5, 5]]: must be a list of "),
-        ({"method": "latin"}, "samples = 0: must be from 1 to 1,000,000"),
+        ({"method": "latin"}, "samples = 0: must be from 1 to 200,000"),
         ({"method": "best"}, "method = 'best': must be one of grid, random, latin, optuna"),
         ({"truth": {"a.raw": "b.csv"}}, "a.raw: must be one of the recordings"),
         ({"families": {"a": ["c.raw"]}}, "c.raw: must be one of scenes or recordings"),
         ({"preset": "dics"}, "no run of engine rct is possible: preset dics: must be one of plain, "),
         ({"fields": {"preset": ["discs", "dics"]}}, "fields.preset: 'dics': must be one of "),
         ({"hardware": ["cot_arry"]}, "hardware: 'cot_arry': must be one of "),
+        ({"seeds": {"from": 0, "to": 200_000}}, "seeds: from 0 to 200000: must not be negative or empty, and at most 200,000"),
         ({"fuzz": {"events": 5}}, "fuzz: must not be given with recordings, scenes or fields"),
         ({"samples": True}, "samples = True: must be a whole number"),
         ({"name": "../../mine"}, "name = '../../mine': must be a name for a folder in build/sweep"),
@@ -214,6 +217,18 @@ def test_what_cannot_be_is_refused_before_anything_has_run(
         run_sweep(spec_of(folder, **more), tmp_path / "out", jobs=1)
     assert why in str(refused.value)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_sweep_has_a_limit_of_runs(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs, not points: of each input, engine and seed; a point that changes nothing for an engine makes no run of it."""
+    runs = len(Planner(spec_of(folder)).plan(points_of(spec_of(folder))).tasks)
+    fuzz = spec_from({"fuzz": {"events": 5}, "seeds": {"from": 1, "to": 50}}, folder, "fuzz")
+    for spec, most in ((spec_of(folder), runs), (fuzz, len(MODULES) * 50)):
+        for limit, is_refused in ((most - 1, True), (most, False)):
+            monkeypatch.setattr("evcot_cosim.sweep.plan.RUNS_MAX", limit)
+            planner = Planner(spec)
+            with pytest.raises(ConfigError, match=f"runs: must be at most {limit:,}") if is_refused else nullcontext():
+                assert planner.plan(points_of(spec)) if spec.fuzz is None else planner.fuzz()
 
 
 def test_a_specification_goes_round(folder: Path, tmp_path: Path) -> None:
@@ -249,7 +264,7 @@ def test_optuna_asks_for_the_same_points_however_many_workers(folder: Path, tmp_
 def test_another_program_does_no_task(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     spec = spec_of(folder, engines=["rct"], fields={})
     task = Planner(spec).plan(points_of(spec)).tasks[0]
-    monkeypatch.setattr("evcot_cosim.sweep.execute.code_fingerprint", lambda: "other")
+    monkeypatch.setattr("evcot_cosim.sweep.execute.code_of", lambda _: "other")
     assert execute(task)["error"] == f"the program is other: must be {machine.code_fingerprint()}, the sweep's"
 
 

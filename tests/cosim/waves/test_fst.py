@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +18,7 @@ from evcot.errors import OutputError
 from evcot.hardware.modules import Module
 from evcot_cosim.waves import Wave
 from evcot_cosim.waves.fst import fst_writer, write_fst
+from support.full_disk import full_disk
 
 pytestmark = pytest.mark.skipif(fst_writer() is None, reason="needs pylibfst")
 
@@ -33,6 +37,30 @@ def test_says_what_the_vcd_says(vcds: dict[Module, Path], tmp_path: Path) -> Non
     assert np.array_equal(s.times, t.times)
     for path in names:
         assert np.array_equal(s[path].values, t[path].values), path
+
+
+def test_says_why_a_file_cannot_be_created(vcds: dict[Module, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The library opens six files and allocates memory, and says only whether that worked."""
+    few = "import resource, runpy, sys; resource.setrlimit(resource.RLIMIT_NOFILE, (7, 7)); "
+    run = "sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"
+    python = tmp_path / "python"
+    python.write_text(f'#!/bin/sh\nshift\nexec {shlex.quote(sys.executable)} -c {shlex.quote(few + run)} "$@"\n')
+    python.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(python))
+    with pytest.raises(OutputError, match=rf"x\.fst: cannot be written: {os.strerror(errno.EMFILE)} \(an FST needs"):
+        write_fst(vcds["cot_array"], tmp_path / "x.fst")
+    assert list(tmp_path.iterdir()) == [python]
+
+
+@pytest.mark.parametrize("room", [0, 300, 4_096, 8_192, -2_000, -100, -1])
+def test_cut_off_file_is_refused(vcds: dict[Module, Path], room: int, tmp_path: Path) -> None:
+    """The library ignores that the disk is full: here, that a file may have so many bytes and no more."""
+    write_fst(vcds["cot_array"], tmp_path / "whole.fst")
+    room += (tmp_path / "whole.fst").stat().st_size if room < 0 else 0
+    message = r"x\.fst: cannot be written: (is cut off after \d+ bytes|pylibfst was ended by)"
+    with full_disk(room), pytest.raises(OutputError, match=message):
+        write_fst(vcds["cot_array"], tmp_path / "x.fst")
+    assert [path.name for path in tmp_path.iterdir()] == ["whole.fst"]
 
 
 def test_is_whole_or_not_there(vcds: dict[Module, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,13 +22,16 @@ from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import Mode, Shape, State
 from evcot.hardware.modules import Module
+from evcot.hardware.motion import _state
 from evcot.hardware.motion.contract import SUB
+from evcot.hardware.motion.model import MotionModel
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device
+from evcot_cosim.lockstep.random_runs import random_outlines
 from evcot_cosim.waves import VcdError, Wave
 from evcot_cosim.waves.gtkwave import write_view
 from evcot_cosim.waves.views import VIEWS, WITH_MOTION
-from support.ticked import ticked
+from support.tokens import ticked
 
 TURNS = ["RUN", "BEGUN", "BUSY", "DUE"]
 PHASES = ["RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN"]
@@ -163,6 +166,29 @@ def test_boxes_are_curves_and_may_lie_beyond_the_sensor(moving: Path) -> None:
         signal = next(wave[entry.path] for entry in wave.signals if entry.reference == trace)
         negative = signal.values >= 1 << signal.declared.width - 1
         assert negative.any() == ("lo" in label)
+
+
+def test_boxes_and_windows_of_a_waveform_are_those_in_effect(tmp_path: Path) -> None:
+    shape, shown = Shape(n_slots=3, x_w=7, y_w=7), 0
+    fields = {
+        name: getattr(_state, f"EV_{name.upper()}")
+        for name in ("box_lo_x", "box_hi_x", "box_lo_y", "box_hi_y", "win_lo_x", "win_hi_x", "win_lo_y", "win_hi_y")
+    }
+    for seed in range(4):
+        traffic = random_outlines(np.random.default_rng(seed), shape, 1_500, 10.0)
+        model, device = MotionModel(MotionConfig(shape)), Device(MotionConfig(shape))
+        model.feed(traffic)
+        with device.dumping(tmp_path / f"{seed}.vcd"):
+            device.stream(traffic)
+        wave = Wave.open(tmp_path / f"{seed}.vcd")
+        last = {entry.path.partition("u_match.")[2]: wave[entry.path] for entry in wave.signals if "u_match." in entry.path}
+        for slot in np.flatnonzero(np.isin(model._state[:, _state.EV_STATE], (_state.CANDIDATE, _state.VISIBLE))):
+            if model._globals[_state.SEEDING] != slot:  # a candidate that is not in effect has neither
+                for name, field in fields.items():
+                    signal = last[f"{name}[{slot}]"]
+                    assert (int(signal.values[-1]) - model._state[slot, field]) % (1 << signal.declared.width) == 0
+                    shown += 1
+    assert shown > 60
 
 
 def test_every_slot_has_a_group(folder: Path) -> None:

@@ -13,8 +13,7 @@ import evcot
 from evcot.errors import OutputError
 from evcot_cosim.rtl.build import load
 from evcot_cosim.waves.errors import VcdError
-from evcot_cosim.waves.saif import write_saif
-from evcot_cosim.waves.toggles import Activity, count_toggles
+from evcot_cosim.waves.toggles import Activity, count_toggles, write_saif
 from evcot_cosim.waves.vcd import parse
 
 HEADER = """$timescale 1ns $end

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from evcot.errors import OutputError
 from evcot_cosim.waves import Wave
 from evcot_cosim.waves import vcd_lines as module
 from evcot_cosim.waves.errors import VcdError
+from support.full_disk import full_disk
 
 HEADER = """$date
     big bang $end
@@ -87,6 +89,12 @@ def test_a_signal_that_is_left_out_is_named(tmp_path: Path) -> None:
     for name in ("r", "top.r"):
         with pytest.raises(VcdError, match=f"w.vcd: {name} is a real, which is left out: must be a signal of bits"):
             wave[name]
+
+
+def test_full_temporary_folder_is_not_an_error_of_the_vcd(tmp_path: Path) -> None:
+    vcd = made(tmp_path, HEADER + CHANGES)
+    with full_disk(10), pytest.raises(OutputError, match=r"^/.*/lines\.vcd: cannot be written: File too large$"):
+        Wave.open(vcd)
 
 
 @pytest.mark.parametrize(

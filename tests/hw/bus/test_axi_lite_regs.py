@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """axi_lite_regs.v in evcot_top: what each address of the banks does, what is refused or clamped, and how that shows.
 
-The words outside the banks are tested in test_axi_lite_words.py.
+The words outside the banks are tested in test_axi_lite_slave.py.
 """
 
 from __future__ import annotations

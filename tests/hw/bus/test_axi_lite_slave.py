@@ -3,9 +3,16 @@
 
 from __future__ import annotations
 
+import re
+from collections import defaultdict
+from collections.abc import Mapping
+from itertools import chain
+
+import numpy as np
 import pytest
 from pyverilator import PyVerilator
 
+from evcot.hardware.registers import Access, Field, Word, register_map
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
 from support.testing import lint
@@ -108,3 +115,137 @@ def test_refuses_an_address_too_narrow() -> None:
 @pytest.mark.parametrize("width", [3, 32])
 def test_is_clean_at_any_width(width: int) -> None:
     assert lint("axi_lite_slave", ADDR_W=width) == (0, "")
+
+
+TOP = "axi_lite_words"
+WITH_ALL = {"X_W": 6, "Y_W": 16, "SOURCE": 3, "SOURCES": 0b101011, "TICKS": 3}
+WITH_LEAST = {"X_W": 9, "Y_W": 8, "SOURCE": 0, "SOURCES": 0b001001, "TICKS": 0}
+WORDS = register_map().words
+FIELDS = [(word, field) for word in WORDS for field in word.fields]
+
+
+def value_of(number: int | str, parameters: Mapping[str, int]) -> int:
+    """A number of the map, or what it says of the parameters."""
+    if number in ("X_W", "Y_W"):
+        return (1 << parameters[str(number)]) - 1
+    if number == "TICKS_32[1] ? 3 : 1":
+        return 3 if parameters["TICKS"] & 2 else 1
+    return parameters[str(number)] if isinstance(number, str) else number
+
+
+def is_built(word: Word, parameters: Mapping[str, int]) -> bool:
+    """Whether a word exists with these parameters."""
+    bits = re.findall(r"(SOURCES|TICKS)_32\[(\d)\]", word.built)
+    return not word.built or any(parameters[name] >> int(bit) & 1 for name, bit in bits)
+
+
+def port(word: Word, field: Field) -> str:
+    """Of the field's value, or of the pulse that clears it."""
+    return word.port(field) + ("_clear" if field.access is Access.W1C else "")
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{"X_W": 1, "Y_W": 1, "TICKS": 0}, {"X_W": 16, "Y_W": 16, "SOURCE": 5, "SOURCES": 63}],
+    ids=["smallest", "largest"],
+)
+def test_lints_clean(parameters: dict[str, int]) -> None:
+    assert lint(TOP, **parameters) == (0, "")
+
+
+def test_refuses_a_source_that_is_not_built() -> None:
+    code, log = lint(TOP, SOURCE=1, SOURCES=1)
+    assert code != 0
+    assert "SOURCE_must_be_one_of_SOURCES" in log
+
+
+class Model:
+    """The map by itself.
+
+    Attributes:
+        kept: port of each field that software writes -> its value.
+        pulses: port of each field that lasts a clock -> its value in this one.
+    """
+
+    def __init__(self, parameters: Mapping[str, int]) -> None:
+        self.parameters = parameters
+        self.kept = {
+            port(word, field): value_of(field.reset, parameters) for word, field in FIELDS if field.access is Access.RW
+        }
+        self.pulses = {port(word, field): 0 for word, field in FIELDS if field.access in (Access.PULSE, Access.W1C)}
+
+    def asked(self, word: Word | None, data: int, inputs: Mapping[str, int] | None = None) -> dict[str, int]:
+        """What an access reads, with these values of what software only reads."""
+        fields = word.fields if word else ()
+        result = defaultdict(int, inputs or {}) | self.kept
+        return {
+            "known": int(word is not None),
+            "writable": int(word is not None and word.writable),
+            "value": sum(result[word.port(f)] << f.lsb for f in fields if word and f.access is not Access.PULSE),
+            "keeps": int(word is None or not word.writable or word.kept != 0),
+            "clamped": int(any(legal(f, data, self.parameters) not in (None, written(f, data)) for f in fields)),
+            "refused": int(any(legal(f, data, self.parameters) is None for f in fields)),
+        }
+
+    def write(self, word: Word | None, data: int) -> None:
+        """The clock after a write, or after none."""
+        self.pulses = dict.fromkeys(self.pulses, 0)
+        if word is None or self.asked(word, data)["refused"]:
+            return
+        for field in word.fields:
+            if field.access is not Access.RO:
+                (self.kept if field.access is Access.RW else self.pulses)[port(word, field)] = (
+                    legal(field, data, self.parameters) or 0
+                )
+
+
+def written(field: Field, data: int) -> int:
+    """What a write says of a field: its bits of the data, but all 32 where the field is the whole word and has limits."""
+    limited = field.access is Access.RW and (field.low or field.high is not None)
+    return data if limited and not field.name else (data & field.mask) >> field.lsb
+
+
+def legal(field: Field, data: int, parameters: Mapping[str, int]) -> int | None:
+    """What a write makes of a field: the nearest legal value, or None where it is refused."""
+    value = written(field, data)
+    if field.access is not Access.RW:
+        return value
+    if field.allowed:
+        return value if value_of(field.allowed, parameters) >> value & 1 else None
+    return min(max(value, field.low), (1 << field.bits) - 1 if field.high is None else value_of(field.high, parameters))
+
+
+@pytest.mark.parametrize("parameters", [WITH_ALL, WITH_LEAST], ids=["all", "least"])
+def test_every_access_does_what_the_map_says(parameters: dict[str, int]) -> None:
+    """All addresses, then 6,000 random accesses to those that there are; reset gives every field its reset value."""
+    rng, model, sim = np.random.default_rng(82), Model(parameters), load(TOP, parameters)
+    io = sim.io
+    reset(sim)
+    inputs = {word.port(field): field.bits for word, field in FIELDS if field.access in (Access.RO, Access.W1C)}
+    known = {word.address // 4: word for word in WORDS if is_built(word, parameters)}
+    seen = dict.fromkeys(("clamped", "refused"), 0)
+    for number in chain(range(1 << 11), rng.choice(list(known), 6_000).tolist()):
+        word, writes = known.get(number), bool(rng.random() < 0.7)
+        data = int(
+            rng.choice([0, 1, 1 << 20, 0xFFFF_FFFF, int(rng.integers(1 << 32)), int(rng.integers(1 << 32)) & 0x003F_003F])
+        )
+        io.word, io.data = number, data
+        given = {name: int(rng.integers(1 << bits)) for name, bits in inputs.items() if word and name.startswith(word.name)}
+        for name, value in given.items():
+            io[name] = value
+        reads = model.asked(word, data, given)
+        for _ in range(2):
+            sim.clock.tick()
+        assert {name: int(io[name]) for name in reads} == reads, f"word {number:#x}, data {data:#x}"
+        io.write = int(writes)
+        sim.clock.tick()
+        io.write = 0
+        model.write(word if writes else None, data)
+        for name in [port(word, field) for field in word.fields if field.access is not Access.RO] if word else []:
+            assert io[name] == (model.kept | model.pulses)[name], f"{name}, data {data:#x}"
+        seen = {name: count + reads[name] for name, count in seen.items()}
+    assert {name: int(io[name]) for name in model.kept | model.pulses} == model.kept | model.pulses
+    assert seen["refused"] > 30
+    assert seen["clamped"] > 50 or parameters is WITH_LEAST
+    reset(sim)
+    assert {name: int(io[name]) for name in Model(parameters).kept} == Model(parameters).kept

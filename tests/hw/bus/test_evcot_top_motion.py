@@ -34,8 +34,7 @@ from evcot_cosim.devices.top_device import (
     slot_address,
     write,
 )
-from evcot_cosim.lockstep.random_runs import random_motion, random_outlines
-from evcot_cosim.lockstep.rewriting import rewritten
+from evcot_cosim.lockstep.random_runs import random_motion, random_outlines, rewritten
 from support.moving import QUICK, scene
 from support.top import BUILDS, device_of
 
@@ -88,14 +87,14 @@ def test_scenes_random_registers_and_stalls_are_exact(seed: int) -> None:
     device.configure()
     model, half = MotionModel(config), len(traffic) // 2
     for begin, part in ((0, traffic[:half]), (half, traffic[half:])):
-        played = device.run(words_of(part))
+        played = device.run(words_of(part), quiet_clocks=100_000)  # steps of a pause
         golden = model.feed(started(traffic)[begin : begin + len(part)])
         assert_same(played.decisions(begin, len(part)), golden)
         assert np.array_equal(played.user, (played.owned >> np.uint64(28) & np.uint64(63)).astype(np.uint8))
     assert (DROPPED in golden.owner) == bool(seed % 2)
     if seed < 2:
         assert set(golden.records["kind"]) >= {Kind.BORN, Kind.MOVED, Kind.LOST}
-        assert np.any(golden.records["v_x"] < 0)  # signs reach the stream
+        assert min(golden.records["v_x"].min(), golden.records["v_y"].min()) < 0  # signs reach the stream
 
 
 def test_registers_change_between_two_events_and_lives_go_on() -> None:
@@ -113,7 +112,7 @@ def test_registers_change_between_two_events_and_lives_go_on() -> None:
         assert_same(done.hardware, done.model)
     print(ended, births)
     assert ended > 2
-    assert births > 20
+    assert births > 15
 
 
 def test_a_commit_leaves_the_steps_where_they_are() -> None:
@@ -257,10 +256,10 @@ def test_no_access_waits_longer_than_64_clocks() -> None:
 
 
 def test_a_soft_reset_cuts_no_record_and_keeps_what_was_written() -> None:
-    traffic = scene(3)[:1_500]
+    traffic = scene(3)[:2_000]
     golden = MotionModel(CONFIG).feed(started(traffic))
     rng, cut = np.random.default_rng(12), 0
-    for at in range(300, 1_300, 250):
+    for at in range(800, 1_800, 250):
         device = device_of("motion", CONFIG, pace=Pace.random(rng))
         device.configure()
         played = device.run(words_of(traffic), [write(CONTROL, 1 << 9 | 1, after=at)])

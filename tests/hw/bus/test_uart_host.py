@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.devices.base import reset
-from evcot_cosim.fpga.uart_line import BYTE_BITS, Receiver, levels, request
+from evcot_cosim.fpga.serial_host import BYTE_BITS, Receiver, levels, request
 from evcot_cosim.rtl.build import load
 from support.testing import PATTERNS, Word, always, lint, sometimes
 

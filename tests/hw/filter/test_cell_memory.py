@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from evcot_cosim.rtl.build import load
-from support.stamp_tokens import Token, TokenMemory
 from support.testing import lint
+from support.tokens import Token, TokenMemory
 
 TOP = "cell_memory"
 WIDTH, HEIGHT, X_W, Y_W, STEP_W, DATA_W = 26, 11, 5, 4, 7, 12

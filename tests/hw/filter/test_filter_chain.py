@@ -19,7 +19,7 @@ from evcot_cosim.devices.filter_device import FilterDevice
 from evcot_cosim.rtl.files import rtl_files
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
 from support.testing import lint
-from support.ticked import ticked
+from support.tokens import ticked
 
 ALL = (1 << len(Filter)) - 1
 SHAPE = FilterShape(width=29, height=22, stamp_w=10, recent_depth=12)

@@ -13,7 +13,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
 from support.testing import lint
-from support.ticked import ticked
+from support.tokens import ticked
 
 Story = list[tuple[int, int, int]]  # tick, x, y
 

@@ -13,7 +13,7 @@ from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
-from support.ticked import ticked
+from support.tokens import ticked
 
 TOP = "filter_refractory"
 

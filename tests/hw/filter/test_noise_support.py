@@ -16,7 +16,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import compare_with_reference, filter_traffic
 from support.testing import lint
-from support.ticked import ticked
+from support.tokens import ticked
 
 TOP = "noise_support"
 ACTIVITY = 1 << Filter.ACTIVITY
@@ -114,7 +114,7 @@ class TestClocks:
         assert set(np.diff(times.accepted)) == {1}
         assert set(times.given - times.accepted) == {19}
 
-    def test_the_end_of_a_window_takes_48_clocks(self) -> None:
+    def test_the_end_of_a_window_takes_49_clocks(self) -> None:
         device = device_of(346, 260, 20, cell_stamp_w=24)
         model_of(device, registers_of(14, [84, 239, 454, 716, 1013]))
         events = ticked(10 * np.arange(5_000), np.arange(5_000) % 346, np.arange(5_000) % 260)
@@ -122,7 +122,7 @@ class TestClocks:
         ends = np.diff(events.ticks >> 14) > 0
         waits = np.diff(times.given)
         assert ends.sum() == 3
-        assert set(waits[ends]) == {1 + 48}
+        assert set(waits[ends]) == {1 + 49}
         assert set(waits[~ends]) == {1}
 
 

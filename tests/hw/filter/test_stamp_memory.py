@@ -11,8 +11,8 @@ import pytest
 from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.rtl.build import load
-from support.stamp_tokens import Token, TokenMemory
 from support.testing import lint
+from support.tokens import Token, TokenMemory
 
 FILTERS = ("filter_refractory", "filter_activity", "filter_decay")
 WIDTH, HEIGHT = 9, 6

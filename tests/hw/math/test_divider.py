@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""divider.v: quotient and remainder, division by zero, timing."""
+"""Division, weighted means and approaches."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import product
+from math import floor
 
 import numpy as np
 import pytest
 from pyverilator import PyVerilator
 
+from evcot.hardware._cot_kernel import _approach
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import PATTERNS, Sink, Source, Word, always, lint, run_streams
+from support.testing import PATTERNS, Sink, Source, Word, always, evaluate, lint, run_streams
 
 NUM_W, DEN_W = 12, 5
 OPERANDS = ["num", "den"]
@@ -78,3 +81,122 @@ def test_traffic_matches_integer_division(sim: PyVerilator, idle: str, stall: st
     sink = Sink(sim, "m", RESULTS, PATTERNS[stall](rng))
     run_streams(sim, [Source(sim, "s", OPERANDS, operands, PATTERNS[idle](rng))], [sink])
     assert sink.words == [divided(num, den) for num, den in operands]
+
+
+W, WEIGHT_W = 7, 4
+
+
+@pytest.fixture(params=[1, 0], ids=["to nearest", "down"])
+def weighted_mean_sim(request: pytest.FixtureRequest) -> PyVerilator:
+    weighted_mean_sim = load("weighted_mean", {"W": W, "WEIGHT_W": WEIGHT_W, "ROUND": request.param})
+    weighted_mean_sim.half = Fraction(request.param, 2)
+    return weighted_mean_sim
+
+
+def mean(weighted_mean_sim: PyVerilator, a: int, weight_a: int, b: int, weight_b: int) -> tuple[int, int]:
+    """The mean that the hardware makes, and its clocks from `start` to `done`."""
+    io = weighted_mean_sim.io
+    io.a, io.b, io.weight_b, io.weight = a, b, weight_b, weight_a + weight_b
+    io.start = 1
+    weighted_mean_sim.clock.tick()
+    io.start = 0
+    assert io.done == 0
+    for clock in range(1, 100):
+        weighted_mean_sim.clock.tick()
+        if io.done:
+            return int(io.mean), clock
+    raise AssertionError("never done")
+
+
+@pytest.mark.parametrize(("w", "weight_w"), [(1, 1), (13, 16), (24, 32)])
+def test_weighted_mean_lints_clean(w: int, weight_w: int) -> None:
+    assert lint("weighted_mean", W=w, WEIGHT_W=weight_w) == (0, "")
+
+
+def test_random_operands(weighted_mean_sim: PyVerilator) -> None:
+    rng = np.random.default_rng(31)
+    for a, weight_a, b, weight_b in rng.integers(0, [1 << W, 1 << WEIGHT_W] * 2, (150, 4)).tolist():
+        if weight_a + weight_b:
+            exact = Fraction(a * weight_a + b * weight_b, weight_a + weight_b)
+            assert mean(weighted_mean_sim, a, weight_a, b, weight_b) == (floor(exact + weighted_mean_sim.half), 2 * W + 3)
+
+
+def test_the_ends_of_the_ranges(weighted_mean_sim: PyVerilator) -> None:
+    highest, heaviest = (1 << W) - 1, (1 << WEIGHT_W) - 1
+    for a, weight_a, b, weight_b in ((0, heaviest, highest, heaviest), (highest, heaviest, 0, 0), (highest, 0, highest, 1)):
+        exact = Fraction(a * weight_a + b * weight_b, weight_a + weight_b)
+        assert mean(weighted_mean_sim, a, weight_a, b, weight_b)[0] == floor(exact + weighted_mean_sim.half)
+
+
+def test_a_result_stays_until_the_next_start(weighted_mean_sim: PyVerilator) -> None:
+    assert mean(weighted_mean_sim, 10, 1, 20, 1)[0] == 15
+    for _ in range(20):
+        weighted_mean_sim.clock.tick()
+        assert (weighted_mean_sim.io.done, weighted_mean_sim.io.mean) == (1, 15)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "rule"),
+    [("W", 0, "W_must_be_at_least_1"), ("WEIGHT_W", 0, "WEIGHT_W_must_be_at_least_1"), ("ROUND", 2, "ROUND_must_be_0_or_1")],
+)
+def test_refuses(parameter: str, value: int, rule: str) -> None:
+    code, log = lint("weighted_mean", **{parameter: value})
+    assert code != 0
+    assert rule in log
+
+
+SHIFTS = np.arange(9)
+
+
+def steps(value: np.ndarray, target: np.ndarray, k: np.ndarray, frac: int) -> np.ndarray:
+    return np.array([_approach(*row, frac) for row in zip(value.tolist(), target.tolist(), k.tolist(), strict=True)])
+
+
+@pytest.mark.parametrize(("w", "frac"), [(1, 0), (6, 0), (6, 4)])
+def test_is_the_models_step_for_every_value_target_and_shift(w: int, frac: int) -> None:
+    every = np.arange(1 << w)
+    value, target, k = (axis.ravel() for axis in np.meshgrid(every, every, SHIFTS))
+    result = evaluate("approach", {"W": w, "FRAC": frac}, {"value": value, "target": target, "k": k}, ["result"])["result"]
+    np.testing.assert_array_equal(result, steps(value, target, k, frac))
+    assert ((np.minimum(value, target) <= result) & (result <= np.maximum(value, target))).all()
+
+
+@pytest.mark.parametrize(("w", "frac"), [(24, 8)])
+def test_is_the_models_step_for_random_wide_values(w: int, frac: int) -> None:
+    rng = np.random.default_rng(w)
+    value, target, k = rng.integers(0, 1 << w, 20_000), rng.integers(0, 1 << w, 20_000), rng.integers(0, 9, 20_000)
+    result = evaluate("approach", {"W": w, "FRAC": frac}, {"value": value, "target": target, "k": k}, ["result"])["result"]
+    np.testing.assert_array_equal(result, steps(value, target, k, frac))
+
+
+@pytest.mark.parametrize(
+    ("frac", "value", "target", "k", "result"),
+    [
+        (0, 10, 13, 1, 11),  # floor(3/2) = 1
+        (0, 10, 7, 1, 8),  # floor(-3/2) = -2: the shift is not symmetric
+        (0, 10, 13, 2, 10),  # short of a target that lies above
+        (4, 10, 13, 1, 12),  # 1.5 rounds up
+        (4, 10, 7, 1, 9),  # -1.5 rounds up as well
+        (4, 10, 11, 2, 10),  # a quarter rounds to nothing
+        (4, 10, 12, 2, 11),  # a half rounds up
+        (4, 10, 63, 0, 63),  # k = 0 goes all the way
+    ],
+)
+def test_rounds_with_fractional_bits_and_floors_without(frac: int, value: int, target: int, k: int, result: int) -> None:
+    found = evaluate("approach", {"W": 6, "FRAC": frac}, {"value": value, "target": target, "k": k}, ["result"])
+    assert found["result"].tolist() == [result]
+
+
+@pytest.mark.parametrize(("w", "frac"), [(1, 0), (24, 8)])
+def test_approach_lints_clean(w: int, frac: int) -> None:
+    assert lint("approach", W=w, FRAC=frac) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("parameters", "rule"),
+    [({"W": 0}, "W_must_be_1_to_24"), ({"W": 25}, "W_must_be_1_to_24"), ({"FRAC": 9}, "FRAC_must_be_0_to_8")],
+)
+def test_refuses_parameters_out_of_range(parameters: dict[str, int], rule: str) -> None:
+    code, log = lint("approach", **parameters)
+    assert code != 0
+    assert rule in log

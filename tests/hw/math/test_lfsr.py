@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import contextlib
+import math
 
 import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
-from evcot.hardware.lfsr import WIDTH_MAX, WIDTH_MIN, Lfsr
+from evcot.hardware.lfsr import TAPS, WIDTH_MAX, WIDTH_MIN, Lfsr
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
 from support.testing import lint
@@ -94,3 +95,59 @@ def test_random_control_matches_the_twin(width: int) -> None:
             twin.step()
         assert (sim.io.state, sim.io.done) == (twin.state, twin.done)
         assert sim.io.state != lock_up
+
+
+def prime_factors(number: int) -> set[int]:
+    """All primes that divide a number: trial division, then Pollard's rho with Brent's polynomial for what is left."""
+    found: set[int] = set()
+    for prime in range(2, 10_000):
+        while number % prime == 0:
+            found.add(prime)
+            number //= prime
+    left = [number] if number > 1 else []
+    while left:
+        rest = left.pop()
+        if all(pow(base, rest - 1, rest) == 1 for base in (2, 3, 5, 7)):
+            found.add(rest)
+            continue
+        for constant in range(1, 20):
+            slow = fast = 2
+            divisor = 1
+            while divisor == 1:
+                slow = (slow * slow + constant) % rest
+                fast = ((fast * fast + constant) ** 2 + constant) % rest
+                divisor = math.gcd(slow - fast, rest)
+            if divisor != rest:
+                left += [divisor, rest // divisor]
+                break
+    return found
+
+
+def power_of_x(exponent: int, polynomial: int, width: int) -> int:
+    """x to a power, modulo a polynomial over two elements."""
+    result = 1
+    for bit in bin(exponent)[2:]:
+        square = 0
+        for i in range(width):
+            square |= (result >> i & 1) << (2 * i)
+        square <<= int(bit)
+        for i in range(square.bit_length() - 1, width - 1, -1):
+            if square >> i & 1:
+                square ^= polynomial << (i - width)
+        result = square
+    return result
+
+
+@pytest.mark.parametrize("width", range(WIDTH_MIN, WIDTH_MAX + 1))
+def test_every_polynomial_is_primitive(width: int) -> None:
+    """The order of x is 2^width - 1, so that the register has all states but one in one cycle; `make prove` shows its step."""
+    polynomial = (1 << width) | sum(1 << (width - tap) for tap in TAPS[width])
+    period = (1 << width) - 1
+    factors = prime_factors(period)
+    rest = period
+    for prime in factors:
+        while rest % prime == 0:
+            rest //= prime
+    assert rest == 1
+    assert power_of_x(period, polynomial, width) == 1
+    assert all(power_of_x(period // prime, polynomial, width) != 1 for prime in factors)

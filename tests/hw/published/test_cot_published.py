@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from evcot.hardware.published._kernel import TC2
 from evcot.hardware.published.model import REGISTERS, PublishedConfig, PublishedTracker
-from evcot_cosim.devices.clocked import rtl
-from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, play, quiet
+from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, play, quiet, rtl
 from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, every, n_evs, noise, one, reset_tracker, some_registers, wandering
 from support.testing import lint

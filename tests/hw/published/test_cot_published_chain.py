@@ -12,8 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, PublishedCascade, PublishedConfig, decode
-from evcot_cosim.devices.clocked import Top, rtl, simulation
-from evcot_cosim.devices.published_device import CASCADE, LIBRARY, at, equal, play, quiet, reset_cascade
+from evcot_cosim.devices.published_device import CASCADE, LIBRARY, Top, at, equal, play, quiet, reset_cascade, rtl, simulation
 from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, n_evs, noise, some_registers, wandering
 from support.testing import lint

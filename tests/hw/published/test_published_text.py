@@ -13,8 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.hardware.published.model import PublishedCascade, PublishedConfig, PublishedTracker
-from evcot_cosim.devices.clocked import rtl
-from evcot_cosim.devices.published_device import LIBRARY, TRACKER, equal, quiet, reset_cascade
+from evcot_cosim.devices.published_device import LIBRARY, TRACKER, equal, quiet, reset_cascade, rtl
 from support.published import noise, reset_tracker, some_registers, wandering
 from support.published_text import CascadeText, TrackerText, tracker_clocks
 

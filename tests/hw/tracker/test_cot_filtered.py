@@ -22,7 +22,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
 from support import moving
 from support.testing import lint
-from support.ticked import ticked
+from support.tokens import ticked
 from support.trials import bare_device, random_config, random_traffic
 
 SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)

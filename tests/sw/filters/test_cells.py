@@ -14,7 +14,7 @@ from evcot.filters.config import FilterConfig
 from evcot.filters.contract import CELL_STAMP_W, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot.ticks import TickedEvents
-from support.ticked import ticked
+from support.tokens import ticked
 
 SIDES = list(CELL_STAMP_W)
 SENSORS = [(1, 1), (1, 7), (6, 5), (40, 30), (41, 31)]

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
-from evcot.filters.effect import Effect, add_noise, area_under_curve, effect
 from evcot.filters.hot_pixels import learn_hot_pixels
-from evcot.filters.run import apply
+from evcot.filters.run import Effect, add_noise, apply, area_under_curve, effect
 from evcot.hardware import golden
 from evcot.recordings.files import read_recording
 from evcot.scenes.boxes import BoxExperiment, simulate

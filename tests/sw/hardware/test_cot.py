@@ -23,7 +23,7 @@ from evcot.hardware.model import Decisions
 from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents, tick_times
 from evcot.tracks.log import TRACK, Kind
-from support.ticked import ticked
+from support.tokens import ticked
 
 SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=5, tc_w=10, sup_w=6, id_w=6)
 SLOT = SlotConfig(

@@ -15,7 +15,7 @@ from evcot.hardware.cot import CotModel
 from evcot.hardware.model import Decisions
 from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
-from support.ticked import ticked
+from support.tokens import ticked
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7)
 SLOT = SlotConfig(

@@ -3,15 +3,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from evcot.errors import TrackLogError
-from evcot.metrics import GroundTruth, Scores, evaluate, load_rule, read_truth
+from evcot.errors import ConfigError, TrackLogError
+from evcot.metrics import GroundTruth, Rule, Scores, evaluate, load_rule, read_truth
+from evcot.metrics.frames import Frames, line_up
+from evcot.metrics.truth import OBJECT
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import sample
 from shared import SHARED
 
 from .stories import following, logged
@@ -106,3 +111,107 @@ def test_the_traffic_rule_ignores_cars_that_have_no_box(traffic: GroundTruth) ->
 
     assert_perfect(with_another(336.1, 100.0))
     assert with_another(335.9, 100.0).fp == 100
+
+
+RULE = Rule({"id": "id", "t_us": "t", "left": "l", "top": "t", "width": "w", "height": "h"})
+
+
+def truth_of(*boxes: tuple[int, int, float, float, float, float, bool]) -> GroundTruth:
+    """(frame, object, x, y, width, height, counted) at instants 0, 100, ..."""
+    objects = np.zeros(len(boxes), OBJECT)
+    for name, column in zip(("frame", "object", "x", "y", "width", "height", "counted"), zip(*boxes, strict=True), strict=True):
+        objects[name] = column
+    return GroundTruth(100 * np.arange(max(box[0] for box in boxes) + 1), objects, ("a", "b", "c"))
+
+
+def lined_up(log: TrackLog, truth: GroundTruth, rule: Rule) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
+    return line_up(sample(log, truth.instants_us), truth, rule)
+
+
+def frames_of(truth: GroundTruth, places: Sequence[tuple[float, float]], rule: Rule = RULE, **box: float) -> Frames:
+    """Tracks 10, 11, ... stand at these places from the first instant on, with boxes of 10 x 10 px or these."""
+    log = logged(*((0, 10 + i, Kind.BORN, x, y) for i, (x, y) in enumerate(places)), **box)
+    return lined_up(log, truth, rule)[0]
+
+
+def test_similarity_falls_from_the_centre_to_half_a_diagonal_away() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 6.0, 8.0, True))
+    frames = frames_of(truth, [(50, 50), (52, 50), (50, 55), (90, 50)])
+    np.testing.assert_allclose(frames.similarity[0], [[1.0, 0.6, 0.0, 0.0]])
+
+
+IOU = Rule(RULE.columns, similarity="iou")
+
+
+def test_overlap_of_box_and_track() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
+    frames = frames_of(truth, [(50, 50), (55, 60), (60, 50)], IOU)
+    np.testing.assert_allclose(frames.similarity[0], [[100 / 200, 25 / 275, 0.0]])
+
+
+def test_the_overlap_is_that_of_the_objects_own_width_and_height() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
+    np.testing.assert_allclose(frames_of(truth, [(50, 50)], IOU, width=10.0, height=20.0).similarity[0], [[1.0]])
+    np.testing.assert_allclose(frames_of(truth, [(50, 50)], IOU, width=20.0, height=10.0).similarity[0], [[100 / 300]])
+
+
+def test_of_a_turned_box_the_upright_rectangle_around_it_overlaps() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
+    quarter = frames_of(truth, [(50, 50)], IOU, width=20.0, height=10.0, angle=np.pi / 2)
+    np.testing.assert_allclose(quarter.similarity[0], [[1.0]])
+    square = frames_of(truth_of((0, 0, 50.0, 50.0, 10.0, 10.0, True)), [(50, 50)], IOU, angle=np.pi / 4)
+    np.testing.assert_allclose(square.similarity[0], [[0.5]])
+
+
+def test_boxes_of_tracks_are_clipped_as_boxes_are() -> None:
+    truth = truth_of((0, 0, 2.5, 5.0, 5.0, 10.0, True))
+    clipping = Rule(RULE.columns, similarity="iou", clip=True, edge_px=0.0, sensor=(100, 100))
+    np.testing.assert_allclose(frames_of(truth, [(0, 5)], clipping).similarity[0], [[1.0]])
+    np.testing.assert_allclose(frames_of(truth, [(0, 5)], IOU).similarity[0], [[0.5]])
+
+
+def test_an_output_in_a_band_counts_only_inside_a_box() -> None:
+    rule = Rule(RULE.columns, ignore={"top": 28, "left": 10, "right": 12, "bottom": 14}, edge_px=0.0, sensor=(346, 260))
+    truth = truth_of((0, 0, 20.0, 20.0, 10.0, 10.0, True))
+    places = {
+        "in the box, above": (20, 20), "above": (40, 27.9), "below that": (40, 28), "left": (9.9, 90),
+        "right of that": (10, 90),
+        "right": (334.1, 90), "left of that": (334, 90), "bottom": (90, 246.1), "above that": (90, 246),
+    }  # fmt: skip
+    frames, _, outputs = lined_up(logged(*((0, i, Kind.BORN, x, y) for i, (x, y) in enumerate(places.values()))), truth, rule)
+    assert [list(places)[i] for i in outputs["track_id"]] == [
+        "in the box, above", "below that", "right of that", "left of that", "above that",
+    ]  # fmt: skip
+    assert frames.n_tracks == 5
+    from_half = replace(rule, edge_px=-0.5)
+    assert [frames_of(truth, [(x, 90)], from_half).n_tracks for x in (9.4, 9.6, 333.4, 333.6)] == [0, 1, 1, 0]
+    with pytest.raises(ConfigError, match=r"^sensor: must be given"):
+        frames_of(truth, [(0, 0)], Rule(RULE.columns, ignore={"top": 3}))
+
+
+def test_a_box_that_does_not_count_excuses_what_is_in_it_alone() -> None:
+    truth = truth_of((0, 0, 20.0, 20.0, 10.0, 10.0, True), (0, 1, 26.0, 20.0, 10.0, 10.0, False))
+    frames, objects, outputs = lined_up(
+        logged((0, 1, Kind.BORN, 28.0, 20.0), (0, 2, Kind.BORN, 23.0, 20.0), (0, 3, Kind.BORN, 40.0, 20.0)), truth, RULE
+    )
+    np.testing.assert_array_equal(objects["object"], [0])
+    np.testing.assert_array_equal(outputs["track_id"], [2, 3])
+    assert (frames.n_truth, frames.n_tracks) == (1, 2)
+
+
+def test_numbers_stay_with_objects_and_tracks_over_time() -> None:
+    truth = truth_of((0, 2, 10.0, 10.0, 8.0, 8.0, True), (2, 0, 50.0, 50.0, 8.0, 8.0, True), (2, 2, 20.0, 20.0, 8.0, 8.0, True))
+    log = logged(
+        (0, 70, Kind.BORN, 10.0, 10.0), (50, 30, Kind.BORN, 50.0, 50.0), (150, 70, Kind.MOVED, 20.0, 20.0),
+        (150, 90, Kind.BORN, 0.0, 0.0), (160, 90, Kind.LOST, 0.0, 0.0),
+    )  # fmt: skip
+    frames, objects, outputs = lined_up(log, truth, RULE)
+    assert [ids.tolist() for ids in frames.truth] == [[1], [], [0, 1]]
+    assert [ids.tolist() for ids in frames.tracks] == [[1], [0, 1], [0, 1]]
+    assert [part.shape for part in frames.similarity] == [(1, 1), (0, 2), (2, 2)]
+    np.testing.assert_allclose(frames.similarity[2], np.eye(2))
+    np.testing.assert_array_equal(frames.truth_lengths, [1, 2])
+    np.testing.assert_array_equal(frames.track_lengths, [2, 3])
+    np.testing.assert_array_equal(objects["object"], [2, 0, 2])
+    np.testing.assert_array_equal(outputs["track_id"], [70, 30, 70, 30, 70])
+    np.testing.assert_array_equal(outputs["x"], [10, 50, 10, 50, 20])

@@ -100,10 +100,54 @@ def test_the_stated_velocity_is_held_against_the_objects_where_there_is_one() ->
     assert measured(log, objects_at(INSTANTS_US, velocity=False)).stated_velocity_error_median is None
 
 
+def straight(turned_deg: float = 0.0, faster: float = 1.0, lives_us: int = 2_000_000) -> TrackLog:
+    """A track along x at 100 px/s with a record every ms, whose stated velocity is off by an angle and a factor."""
+    records = np.zeros(lives_us // 1_000 + 1, TRACK)
+    records["t_us"] = 1_000 * np.arange(len(records))
+    records["kind"] = Kind.MOVED
+    records["kind"][0], records["kind"][-1] = Kind.BORN, Kind.LOST
+    records["x"] = 100 * records["t_us"] * 1e-6
+    angle = np.radians(turned_deg)
+    records["vx"], records["vy"] = 100 * faster * np.cos(angle), 100 * faster * np.sin(angle)
+    return TrackLog("test", records, np.empty(0, np.int16))
+
+
+def against_displacement(log: TrackLog, instants_us: NDArray[np.int64]) -> tuple[float | None, float | None, float | None]:
+    outputs = sample(log, instants_us)
+    found = motion(log, NEVER_US, np.zeros(len(outputs), OBJECT), outputs, instants_us[outputs["sample"]])
+    return found.stated_angle_error_deg_median, found.stated_angle_over_45_deg_fraction, found.stated_relative_error_median
+
+
+def test_stated_velocity_is_compared_with_displacement_without_velocities_in_the_truth() -> None:
+    assert against_displacement(straight(), INSTANTS_US) == pytest.approx((0, 0, 0), abs=1e-9)
+    assert against_displacement(straight(turned_deg=-30), INSTANTS_US) == pytest.approx((30, 0, 2 * np.sin(np.radians(15))))
+    assert against_displacement(straight(turned_deg=46, faster=2), INSTANTS_US)[:2] == pytest.approx((46, 1))
+    assert against_displacement(straight(faster=1.25), INSTANTS_US) == pytest.approx((0, 0, 0.25), abs=1e-9)
+
+
+def test_slow_or_short_tracks_and_unknown_velocities_are_not_compared_with_displacement() -> None:
+    slow, unknown = straight(), straight()
+    slow.records["x"] *= 0.149
+    unknown.records["vx"] = 0
+    for log in (slow, unknown):
+        assert against_displacement(log, INSTANTS_US) == (None, None, None)
+    instants_us = np.arange(150_000, 350_000, 10_000)
+    assert against_displacement(straight(lives_us=499_000), instants_us) == (None, None, None)
+    assert against_displacement(straight(lives_us=500_000), instants_us) == pytest.approx((0, 0, 0), abs=1e-9)
+
+
+def test_a_life_ends_where_its_id_is_born_again() -> None:
+    """Two lives of 0.4 s under one id: neither is long enough, though the id is there for 0.9 s."""
+    first, second = straight(lives_us=400_000).records, straight(lives_us=400_000).records
+    second["t_us"] += 500_000
+    log = TrackLog("test", np.concatenate((first, second)), np.empty(0, np.int16))
+    assert against_displacement(log, np.arange(0, 900_000, 10_000)) == (None, None, None)
+
+
 def test_without_velocities_or_pairs_there_are_no_figures() -> None:
     assert measured(track(), objects_at(INSTANTS_US, velocity=False)).velocity_error_median is None
     nobody = motion(track(), NEVER_US, objects_at(INSTANTS_US[:0]), np.empty(0, SAMPLE), INSTANTS_US[:0])
-    assert nobody == Motion(None, None, None, None, None)
+    assert nobody == Motion(None, None, None, None, None, None, None, None)
 
 
 def test_of_equal_shifts_the_smallest_counts() -> None:

@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from evcot.metrics.clear import clear
 from evcot.metrics.frames import Frames
-from evcot.metrics.hota import hota
-from evcot.metrics.identity import identity
+from evcot.metrics.mot import clear, hota, identity
 
 
 def story(*instants: dict[tuple[int, int], float], truth: list[list[int]], tracks: list[list[int]]) -> Frames:

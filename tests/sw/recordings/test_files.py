@@ -17,7 +17,7 @@ import pytest
 from evcot.errors import ConfigError, OutputError, RecordingError, RecordingWarning
 from evcot.events import Events, Recording
 from evcot.recordings.files import Damage, format_for, open_recording, read_recording, write_events, write_recording
-from evcot.recordings.formats import FORMATS, WRITABLE, text
+from evcot.recordings.formats import WRITABLE, formats, text
 
 WIDTH, HEIGHT = 64, 48
 EPOCH_US = 1_718_925_184_590_631
@@ -84,7 +84,7 @@ class TestEveryWritableFormat:
         path = tmp_path / "recording.bin"
         write_recording(Recording(STORIES["epoch"], WIDTH, HEIGHT), path, name)
         with open_recording(path) as file:
-            assert file.format in [kind.title for kind in FORMATS]
+            assert file.format in [kind.title for kind in formats()]
             assert not file.assumes_sensor
             assert all(isinstance(value, str) for value in file.details.values())
             assert file.t0_us == EPOCH_US
@@ -298,7 +298,7 @@ def test_a_window_before_the_damage_is_whole(tmp_path: Path, monkeypatch: pytest
     ("content", "message"),
     [
         (b"", "is empty"),
-        (b"\x00\x01\x02\x03", f"has an unknown format: must be one of {', '.join(kind.title for kind in FORMATS)}"),
+        (b"\x00\x01\x02\x03", f"has an unknown format: must be one of {', '.join(kind.title for kind in formats())}"),
         (b"t,x,y,p\n", "holds no events"),
     ],
 )
@@ -357,3 +357,18 @@ def test_memory_does_not_grow_with_the_recording(tmp_path: Path, source: str, ta
         assert found == count
         peaks_kb.append(peak_kb)
     assert peaks_kb[1] - peaks_kb[0] < 10_000
+
+
+def test_a_reader_is_imported_when_its_format_is_tried(tmp_path: Path) -> None:
+    """And what Numba is imported without can be imported afterwards."""
+    np.save(tmp_path / "rows.npy", np.array([[1, 2, 3, 1]]))
+    program = """
+import sys
+from evcot.recordings.files import read_recording
+read_recording(sys.argv[1])
+loaded = {name.rpartition(".")[2] for name in sys.modules if name.startswith("evcot.recordings.formats.")}
+print("numpy_files" in loaded, loaded & {"aedat4", "hdf5", "ros", "text"}, "scipy" in sys.modules)
+import scipy.linalg
+"""
+    command = [sys.executable, "-c", program, str(tmp_path / "rows.npy")]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "True set() False\n"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
 from evcot.events import Events
+from evcot.scenes._pixel_kernel import levels_of
 from evcot.scenes.pixel import PixelCamera, PixelModel
 
 IDEAL = PixelModel(on_threshold=0.2, off_threshold=0.25)
@@ -178,6 +179,23 @@ def test_rectangles_of_change_give_the_same_events_as_full_frames(refractory_us:
     assert total > 5_000
 
 
+@pytest.mark.parametrize("refractory_us", [0, 900])
+def test_linear_frames_give_the_same_events_as_their_logarithms(refractory_us: int) -> None:
+    """Light that drifts slowly, so that many frames end near a threshold, and is sometimes exactly on one."""
+    model = PixelModel(0.1, 0.15, 0.1, refractory_us, noise_hz=20.0, hot_pixels=2, hot_hz=500.0)
+    random = np.random.default_rng(SEED)
+    linear, logarithmic = PixelCamera(model, 40, 30, SEED, linear=True), PixelCamera(model, 40, 30, SEED)
+    levels, total = np.zeros((30, 40)), 0
+    for i in range(80):
+        light = np.exp(levels)
+        events = linear.step(light, 500 * i)
+        assert content(events) == content(logarithmic.step(levels_of(light, True), 500 * i))
+        levels += random.normal(0, 0.05, (30, 40))
+        levels[:5] = linear.on_threshold[:5] * (i % 4)
+        total += len(events)
+    assert total > 5_000
+
+
 def test_events_of_a_step_are_in_time_order_and_steps_follow_each_other() -> None:
     random = np.random.default_rng(SEED)
     model = PixelModel(0.1, 0.1, 0.1, 50, noise_hz=50.0, hot_pixels=2)
@@ -239,5 +257,14 @@ def test_frames_and_times_that_make_no_sense_are_refused() -> None:
         refused(f"frame: log intensity {value:g} at (1, 2): must be from -100 to 100", broken, 20)
         with pytest.raises(ConfigError, match=r"at \(1, 2\)"):
             PixelCamera(IDEAL, 4, 3, SEED).step(broken, 0)
+    for value in (0.0, -1.0, np.nan, np.inf):
+        dark = np.ones((3, 4))
+        dark[2, 1] = value
+        linear = PixelCamera(IDEAL, 4, 3, SEED, linear=True)
+        with pytest.raises(ConfigError, match=r"frame: log intensity .* at \(1, 2\): must be from -100 to 100"):
+            linear.step(dark, 0)
+        linear.step(np.ones((3, 4)), 0)
+        with pytest.raises(ConfigError, match=r"at \(1, 2\)"):
+            linear.step(dark, 10)
     with pytest.raises(ConfigError, match="hot_pixels = 13: must be at most the sensor's 12 pixels"):
         PixelCamera(replace(IDEAL, hot_pixels=13), 4, 3, SEED)

@@ -13,11 +13,14 @@ from numpy.typing import NDArray
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.scenes import discs, highway, insects, pendulum, shake
-from evcot.scenes._render_kernel import _logarithms, bounds, draw
-from evcot.scenes.pixel import PixelModel
+from evcot.scenes._order import KEY_T_SHIFT
+from evcot.scenes._pixel_kernel import levels_of
+from evcot.scenes._render_kernel import bounds, displacement, draw
+from evcot.scenes.pixel import PixelCamera, PixelModel
 from evcot.scenes.registry import SCENES, scene_settings, simulate_scene
 from evcot.scenes.scene import Scene
-from evcot.scenes.shapes import OBJECT
+from evcot.scenes.shapes import OBJECT, X, Y, quadrangles
+from evcot.scenes.shapes import discs as circles
 from evcot.scenes.stage import _Canvas, _samples
 
 FILMED = {"discs": discs, "highway": highway, "insects": insects, "pendulum": pendulum, "shake": shake}
@@ -41,40 +44,108 @@ def truth_of(name: str, **overrides: Any) -> NDArray[np.void]:
 
 def drawn(shapes: NDArray[np.float64], width: int, height: int) -> NDArray[np.float64]:
     """Linear intensity of shapes before a background of 1."""
-    background, scratch, linear, frame = (np.ones((height, width)) for _ in range(4))
-    draw(np.array([[0, 0, width, height]]), shapes, background, scratch, linear, frame)
-    return linear
+    background, picture = np.ones((height, width)), np.empty((height, width))
+    draw(np.array([[0, 0, width, height]]), shapes, background, picture)
+    return picture
 
 
 @pytest.mark.parametrize("name", FILMED)
 def test_a_frame_that_is_redrawn_where_something_moved_is_the_whole_frame_redrawn(name: str) -> None:
     stage, times_us = stage_of(name), range(0, 400_000, 3_001)
-    everywhere = np.array([[0, 0, 346, 260]])
-    canvas, whole = _Canvas(stage, 346, 260), _Canvas(stage, 346, 260)
+    canvas, whole = _Canvas(stage, 346, 260), np.empty((260, 346))
+    picture = canvas.picture.copy()
     for t_us in times_us:
-        before = canvas.frame.copy()
-        changed, _ = canvas.look(t_us)
-        told = np.zeros((260, 346), np.bool_)
-        for left, top, right, bottom in canvas.draw(changed).tolist():
-            told[top:bottom, left:right] = True
-        whole.look(t_us)
-        whole.draw(everywhere)
-        assert np.array_equal(canvas.frame, whole.frame)
-        assert not (canvas.frame != before)[~told].any()
+        canvas.look(t_us)
+        for left, top, right, bottom in canvas.draw().tolist():
+            picture[top:bottom, left:right] = canvas.picture[top:bottom, left:right]
+        shapes = canvas.advance()
+        draw(np.array([[0, 0, 346, 260]]), shapes, canvas.background, whole)
+        assert np.array_equal(picture, whole)
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [
+        ("discs", {}),
+        ("highway", {}),
+        ("insects", {"radius_px": 4.0, "speed_px_s": 900.0}),
+        ("pendulum", {}),
+        ("shake", {"shake_px": 0.0}),
+    ],
+)
+@pytest.mark.parametrize("refractory_us", [0, 300, 4_000])
+def test_a_batch_of_frames_gives_the_events_of_each_alone(name: str, overrides: dict[str, float], refractory_us: int) -> None:
+    """With noise, hot pixels, and shapes that move by several pixels from frame to frame."""
+    model = PixelModel(0.1, 0.15, mismatch=0.1, refractory_us=refractory_us, noise_hz=5.0, hot_pixels=3, hot_hz=2_000.0)
+    canvas, alone, at_once = (
+        _Canvas(stage_of(name, **overrides), 346, 260),
+        *(PixelCamera(model, 346, 260, 1, linear=True) for _ in range(2)),
+    )
+    for camera in (alone, at_once):
+        camera.step(canvas.picture, 0)
+    batch, times_us, keys = [canvas.shapes], [0], [np.empty(0, np.int64)]
+    compared = 0
+    for t_us in range(2_000, 200_000, 2_000):
+        canvas.look(t_us)
+        alike, changed = canvas.is_alike, canvas.draw()
+        if len(batch) > 1 and (not alike or len(batch) == 9):
+            found = at_once.keys_of_shapes(np.stack(batch), np.array(times_us), canvas.background)
+            expected = np.concatenate(keys)
+            assert np.array_equal(found, expected)
+            compared += len(found)
+            batch, times_us, keys = batch[-1:], times_us[-1:], keys[:0]
+        keys.append(alone.keys(canvas.picture, t_us, changed) + (times_us[-1] - times_us[0] << KEY_T_SHIFT))
+        if not alike:
+            at_once.keys(canvas.picture, t_us, changed)
+            batch, times_us, keys = [], [], keys[:0]
+        batch.append(canvas.advance())
+        times_us.append(t_us)
+    assert compared > 5_000
 
 
 @pytest.mark.parametrize("name", ["discs", "insects", "pendulum", "shake"])
 def test_many_times_at_once_give_what_each_gives_alone(name: str) -> None:
     stage, times_us = stage_of(name), np.arange(0, 900_000, 7_001)
-    assert stage.steady
     assert stage.shapes(times_us).tobytes() == b"".join(stage.shapes(int(t_us)).tobytes() for t_us in times_us)
     assert stage.objects(times_us).tobytes() == b"".join(stage.objects(int(t_us)).tobytes() for t_us in times_us)
 
 
+def moved(before: NDArray[np.float64], after: NDArray[np.float64]) -> float:
+    """The displacement of shapes on a sensor of 100x80."""
+    return float(displacement(before, after, 100, 80)[0])
+
+
+def rectangle(left: float, right: float, top: float = 20.0, bottom: float = 40.0) -> NDArray[np.float64]:
+    return quadrangles(0, np.array([[left, right, right, left]]), np.array([[top, top, bottom, bottom]]), 2.0)
+
+
+def test_displacement_is_that_of_contours_across_themselves_where_they_are_on_the_sensor() -> None:
+    assert moved(rectangle(10, 30), rectangle(10.3, 30.2)) == pytest.approx(0.3)
+    assert moved(rectangle(10, 1_000), rectangle(10.1, 1_050)) == pytest.approx(0.1)
+    assert moved(rectangle(-50, 130, 20, 40), rectangle(-60, 190, 20, 40.2)) == pytest.approx(0.2)
+    assert moved(rectangle(200, 300), rectangle(250, 350)) == 0
+    turned = quadrangles(0, np.array([[0.0, 40, 40, 0]]), np.array([[0.0, 30, 60, 30]]), 2.0)
+    along = turned.copy()
+    along[:, X : X + 4] += 4  # its first and third edge go along themselves, 5 px, the others 0 and 4 px
+    along[:, Y : Y + 4] += 3
+    assert moved(turned, along) == pytest.approx(4.0)
+    assert moved(circles(0, [10.0], 10, 3, 2), circles(0, [10.4], 10.1, 3.2, 2)) == pytest.approx(0.6)
+    assert moved(circles(0, [110.0], 10, 3, 2), circles(0, [115.0], 10, 3, 2)) == 0
+
+
+def test_vehicles_that_have_left_the_picture_do_not_make_steps_shorter() -> None:
+    """Below the picture a car of 20 m/s moves by thousands of pixels per second; in it, by some hundreds."""
+    canvas = _Canvas(stage_of("highway", duration_us=4_000_000), 346, 260)
+    displacements = []
+    for t_us in range(0, 4_000_000, 1_000):
+        displacements.append(canvas.look(t_us))
+        canvas.advance()
+    assert max(displacements) < 1
+
+
 def test_logarithms_are_right_to_an_ulp() -> None:
     values = np.exp(np.concatenate((np.random.default_rng(1).uniform(-80, 80, 9_000), np.linspace(-1e-3, 1e-3, 1_001))))
-    found = np.empty_like(values)
-    _logarithms(values, found)
+    found = levels_of(values[None], True)[0]
     assert (abs(found - np.log(values)) <= np.spacing(abs(np.log(values)))).all()
 
 
@@ -336,4 +407,5 @@ def test_text_is_read_as_the_settings_kind_of_value() -> None:
 
 def test_a_scene_may_be_empty() -> None:
     assert not len(simulate_scene("shake", 1, {"count": 0, "duration_us": 5_000}).truth.samples)
+    assert not len(simulate_scene("highway", 1, {"vehicles_per_s": 0.0, "story": 0, "duration_us": 5_000}).truth.samples)
     assert isinstance(simulate_scene("pendulum", 1, {"duration_us": 1_000, "noise_hz": 0.0}).recording.events, Events)

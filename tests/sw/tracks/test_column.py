@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.errors import OutputError
+from evcot.errors import OutputError, TrackLogError
 from evcot.tracks.column import PackedColumn
 from evcot.tracks.record import TRACK
+from support.full_disk import full_disk
 
 OWNER = np.dtype(np.int16)
 N = 2_000_000
@@ -64,8 +65,18 @@ def test_a_file_that_is_shorter_than_its_checkpoint_is_refused(left: int, tmp_pa
     column.flush()
     column.close()
     os.truncate(tmp_path / "o", left if left >= 0 else (tmp_path / "o").stat().st_size - 1)
-    with pytest.raises(OutputError, match=rf"o: holds \d+ values: must hold {N}, as at its checkpoint"):
+    with pytest.raises(TrackLogError, match=rf"o: holds \d+ values: must hold {N}, as at its checkpoint"):
         PackedColumn(tmp_path / "o", OWNER, N)
+
+
+def test_file_too_large_is_said_again_at_the_end(tmp_path: Path) -> None:
+    """The system refuses what is buffered a second time when the file is closed, and then does not name the file."""
+    column = PackedColumn(tmp_path / "o", OWNER)
+    column.append(owners(1_000))
+    with full_disk(100):
+        for ends in (column.flush, column.close):
+            with pytest.raises(OutputError, match=r"/o: cannot be written: File too large$"):
+                ends()
 
 
 def test_several_threads_read(tmp_path: Path) -> None:

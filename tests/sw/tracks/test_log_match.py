@@ -17,7 +17,7 @@ from evcot.filters.config import FilterConfig
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from evcot.tracks.log_match import Extent, check_belongs
+from evcot.tracks.log_files import Extent, check_belongs
 from evcot.tracks.tracking import log_of
 
 

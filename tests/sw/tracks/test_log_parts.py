@@ -14,14 +14,15 @@ from evcot.hardware.golden import track as cot_track
 from evcot.metrics.quality import QualityCounter, isolated, isolation, quality_of
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.presets import run_config
-from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.config import PRESETS
 from evcot.trackers.rct.tracker import track as rct_track
+from evcot.tracks import column
 from evcot.tracks.compare import Comparison, compare
-from evcot.tracks.life_lengths import life_lengths
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from evcot.tracks.log_parts import LogParts, runs_of
+from evcot.tracks.log_parts import LogParts, life_lengths, runs_of
 from evcot.tracks.parquet import LogFile
 from evcot.tracks.timeline import lifetimes
+from evcot.tracks.track_pairs import ROW
 
 PART = 2_003
 
@@ -97,10 +98,10 @@ def test_agreement_in_parts_is_that_of_the_whole(
     assert len(wanted["merges_unpaired_hardware"]) > 2
     assert wanted["samples"] > 100
     assert found == {name: value[:most] if isinstance(value, tuple) else value for name, value in wanted.items()}
-    for column, log in zip(comparison.lives, logs, strict=True):
+    for lengths, log in zip(comparison.lives, logs, strict=True):
         lives = lifetimes(log, end_us)
         lengths_s = (lives["end_us"] - lives["birth_us"]) / 1e6
-        assert life_lengths(column) == {
+        assert life_lengths(lengths) == {
             "tracks": len(lives), "lost": int((lives["ended"] == Kind.LOST).sum()),
             "median_s": float(np.median(lengths_s)), "longest_s": float(lengths_s.max()),
         }  # fmt: skip
@@ -135,3 +136,29 @@ def test_long_stretches_without_a_record_come_back_from_parquet(tmp_path: Path) 
         lengths = [len(own) for own in file.read(columns=["owners"]).column("owners").to_pylist()]
     assert max(lengths) == 1 << 16
     assert sum(lengths) == len(owner)
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 50])
+@pytest.mark.parametrize("longest_us", [0, 5, 1 << 16, 3_000_000, 1 << 44])
+def test_they_are_those_of_numpy(count: int, longest_us: int) -> None:
+    rng = np.random.default_rng(count + longest_us)
+    lives = column.HeldColumn(ROW)
+    lives.append(np.zeros(0, ROW))
+    for _ in range(3):
+        part = np.zeros(count, ROW)
+        part["birth_us"] = rng.integers(0, 1_000, count)
+        part["end_us"] = part["birth_us"] + rng.integers(0, longest_us + 1, count)
+        part["ended"] = rng.integers(-1, 4, count)
+        lives.append(part)
+    rows = lives[:]
+    lengths_s = (rows["end_us"] - rows["birth_us"]) / 1e6
+    assert life_lengths(lives) == {
+        "tracks": 3 * count,
+        "lost": int((rows["ended"] == Kind.LOST).sum()),
+        "median_s": float(np.median(lengths_s)),
+        "longest_s": float(lengths_s.max()),
+    }
+
+
+def test_without_a_life_nothing_is_known() -> None:
+    assert life_lengths(column.HeldColumn(ROW)) == {"tracks": 0, "lost": 0, "median_s": None, "longest_s": None}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TrackLog on disk: logs are read back unchanged, and other files are refused by name."""
+"""The track log, and counts that are kept while it grows."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import pytest
 
 from evcot.errors import EvcotError, OutputError, TrackLogError
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.tally import IdSet, Tally
 
 
 @pytest.fixture
@@ -125,3 +126,36 @@ def test_a_file_that_is_no_whole_log_is_refused_in_one_line(log: TrackLog, tmp_p
     refused("records lacks width, height, angle, vx, vy, confidence: must be a log of this version: track the recording again$")
     np.savez(path, engine=np.array("rct"), records=log.records, owner=log.owner.reshape(2, -1))
     refused("owner is 2-d int16: must be 1-d int16$")
+
+
+def test_a_track_that_was_lost_and_is_found_again_is_alive() -> None:
+    kinds = [Kind.BORN, Kind.MOVED, Kind.BORN, Kind.LOST, Kind.LOST, Kind.MOVED, Kind.BORN, Kind.MERGED]
+    records = np.zeros(len(kinds), TRACK)
+    records["kind"] = kinds
+    records["track_id"] = [0, 0, 1, 0, 1, 0, 2, 2]
+    records["t_us"] = np.arange(len(kinds))
+    for size in (1, 3, len(kinds)):
+        tally = Tally()
+        for begin in range(0, len(kinds), size):
+            tally.add(records[begin : begin + size], np.empty(0, np.int16))
+        assert tally.alive == 1
+        assert tally.kinds[Kind.LOST] == 2
+
+
+def test_ids_that_were_added_are_there_and_no_others() -> None:
+    ids, wanted = IdSet(), set[int]()
+    assert 0 not in ids
+    for part in ([], [3, 3, 0], [8, 1_000], [-1, 1 << 27, (1 << 62) + 1], [(1 << 27) - 1, 7]):
+        ids.add(np.array(part, np.int64))
+        wanted |= set(part)
+        for each in {-2, 1, 2, 9, 999, 1_001, (1 << 27) + 1, (1 << 27) - 2, 1 << 62, *wanted}:
+            assert (each in ids) == (each in wanted), each
+
+
+def test_a_million_ids_take_a_bit_each() -> None:
+    ids = IdSet()
+    for begin in range(0, 1_000_000, 50_000):
+        ids.add(np.arange(begin, begin + 50_000))
+    assert ids.nbytes <= 2 * 1_000_000 // 8 + 8
+    assert 999_999 in ids
+    assert 1_000_000 not in ids

@@ -16,9 +16,9 @@ from evcot.errors import ConfigError
 from evcot.ranges import read_pair
 from evcot.recordings.files import open_recording
 from evcot.scenes.registry import adjusted
-from evcot.tracks.log_match import Extent
-from evcot.tracks.reading import RecordRuns, in_the_name_of, open_log
+from evcot.tracks.log_files import Extent, RecordRuns, in_the_name_of, open_log
 
+from ...standard_streams import as_file
 from ...tables import counted, print_table
 from ..options import sensor_from
 from .log_checks import check_logs
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
 def _logs(options: argparse.Namespace) -> tuple[tuple[int, int] | None, list[RecordRuns]]:
     """The sensor, where somebody says it, and the logs."""
     sensor = sensor_from(options)
-    logs: list[RecordRuns] = [open_log(path) for path in options.logs]
+    logs: list[RecordRuns] = [open_log(as_file(path)) for path in options.logs]
     if options.recording is not None:
         sensor = _check_recording(options, logs, sensor)
     return sensor, logs
@@ -46,7 +46,7 @@ def _logs(options: argparse.Namespace) -> tuple[tuple[int, int] | None, list[Rec
 def _check_recording(
     options: argparse.Namespace, logs: Sequence[RecordRuns], sensor: tuple[int, int] | None
 ) -> tuple[int, int]:
-    with open_recording(options.recording, sensor) as file:
+    with open_recording(as_file(options.recording), sensor) as file:
         check_logs(zip(options.logs, logs, strict=True), str(options.recording), Extent.of(file.blocks(required=True)))
         return file.sensor
 

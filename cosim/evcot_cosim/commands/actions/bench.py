@@ -16,16 +16,16 @@ from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
 from evcot.hardware.modules import MODULES
 from evcot.recordings.files import open_recording
-from evcot.trackers.engines import ENGINES
+from evcot.trackers.engines import ENGINES, usable_engines
 from evcot.tracks.tracking import log_of
 
 from ...devices.device import build_device
 from ...lockstep.lockstep import Lockstep, chunks
 from ...tables import print_table
 from ..options import window_from
-from .filters import save_learned
 from .job import Job, job_from
 from .progress import Progress
+from .settings import save_learned
 
 __all__ = ["run"]
 
@@ -73,10 +73,10 @@ def _jobs(job: Job, progress: Progress) -> Iterator[tuple[str, Callable[[], Any]
     recording = job.recording
     events, sensor = recording.events, (recording.width, recording.height)
     if not job.source.is_scene:
-        yield "reading", partial(_read, Path(job.source.recording))
+        yield "reading", partial(_read, job.source.path)
     for name, config in _FILTERS.items():
         yield name, partial(_filter, config, events, sensor)
-    for name, engine in ENGINES.items():
+    for name, engine in usable_engines().items():
         if name in MODULES and name != job.config.hardware.module:
             continue
         preset, settings = next(iter(engine.presets.items()))

@@ -20,7 +20,7 @@ from evcot.hardware.registers import register_map
 from ...fpga.board import SIZES, expected_records, shape
 from ...fpga.serial_host import SerialHost
 from ...tables import counted, print_table
-from ..exit_codes import MISMATCH
+from ..parsing import MISMATCH
 
 __all__ = ["run"]
 

@@ -11,8 +11,9 @@ from dataclasses import replace
 from evcot.metrics.sampling import checked_runs
 from evcot.tracks.formats.of_log import boxes_of_log
 from evcot.tracks.formats.registry import box_format, is_boxes, read_boxes, write_boxes
-from evcot.tracks.reading import in_the_name_of, open_log
+from evcot.tracks.log_files import in_the_name_of, open_log
 
+from ...standard_streams import as_file
 from ..options import sensor_from
 from .clock import clock_from
 
@@ -21,14 +22,14 @@ __all__ = ["run"]
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Write tracks in another format; 0."""
-    clock, sensor = clock_from(options), sensor_from(options)
+    clock, sensor, source = clock_from(options), sensor_from(options), as_file(options.source)
     kind = box_format(options.target, options.format)
-    if options.source_format is not None or is_boxes(options.source):
-        boxes = read_boxes(options.source, clock, options.source_format)
+    if options.source_format is not None or is_boxes(source):
+        boxes = read_boxes(source, clock, options.source_format)
         boxes = replace(boxes, sensor=sensor or boxes.sensor)
     else:
-        log = open_log(options.source)
-        with in_the_name_of(options.source):
+        log = open_log(source)
+        with in_the_name_of(source):
             for _ in checked_runs(log.record_runs()):
                 pass
             boxes = boxes_of_log(log, clock, sensor)

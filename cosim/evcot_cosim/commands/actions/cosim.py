@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from evcot.errors import ConfigError
+from evcot.outputs import check_folder
 from evcot.unfinished import unfinished
 
 from ...lockstep.cosim import run_cosim
@@ -22,17 +23,16 @@ from ...lockstep.run_file import run_toml
 from ...lockstep.summary import table, verdict_lines
 from ...lockstep.verdict import verdict_from
 from ...report.artifacts import run_names, write_mismatch, write_run
-from ...report.long_run import write_long_run
-from ...report.subsample import EVENTS_MAX
-from ...rtl.fingerprint import design_fingerprint
+from ...report.long_run import long_names, write_long_run
+from ...report.pack import EVENTS_MAX
+from ...rtl.files import design_fingerprint
 from ...tables import print_table
-from ..exit_codes import MISMATCH
 from ..options import window_from
-from .filters import save_learned
+from ..parsing import MISMATCH
 from .job import Job, job_from
-from .length import counted_ahead
-from .progress import Progress
+from .progress import Progress, counted_ahead
 from .resume import say_resumed, work_key
+from .settings import save_learned
 
 __all__ = ["run"]
 
@@ -80,9 +80,10 @@ _LONG = "a page for each part, logs"
 
 def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str) -> dict[str, Any]:
     """The same of a recording that is not held in memory; returns the summary."""
+    check_folder(folder, "cosim", long_names(folder), "-o")
 
     def key() -> str:
-        return work_key(Path(job.source.recording), "cosim", job.source, job.config, job.seed, design_fingerprint())
+        return work_key(job.source.path, "cosim", job.source, job.config, job.seed, design_fingerprint())
 
     quiet = options.quiet or options.json
     with (

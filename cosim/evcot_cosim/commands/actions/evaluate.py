@@ -15,10 +15,11 @@ from evcot.tracks.log import TrackLog
 from evcot.tracks.parquet import LogFile
 from evcot.tracks.suffixes import PARQUET
 
+from ...standard_streams import as_file
 from ...tables import print_table
-from ..options import sensor_from
-from ..tracked import RUN_LOGS
+from ..options import RUN_LOGS, sensor_from
 from .clock import clock_from
+from .each import done_each
 from .log_checks import log_of_run
 from .spinner import Counting
 
@@ -26,31 +27,44 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    """Score a log, or all of a run; 0."""
-    logs = _logs_of_run(options) if options.log.is_dir() else {"": options.log}
+    """Score logs, or all of runs; 0, or 2 where one cannot be scored."""
     found: dict[str, Scores] = {}
-    for name, log in logs.items():
-        with Counting(f"scoring {log}", enabled=not options.json):
-            found[name] = evaluate(
-                log, options.truth, options.rule, sensor=sensor_from(options), clock=clock_from(options),
-                log_format=options.log_format, truth_format=options.truth_format,
-            )  # fmt: skip
+    names = _names(options.logs)
+
+    def score(given: Path) -> None:
+        logs = _logs_of_run(options, given) if given.is_dir() else {"": as_file(given)}
+        for name, log in logs.items():
+            with Counting(f"scoring {log}", enabled=not options.json):
+                found["/".join(filter(None, (names[given], name)))] = evaluate(
+                    log, as_file(options.truth), options.rule, sensor=sensor_from(options), clock=clock_from(options),
+                    log_format=options.log_format, truth_format=options.truth_format,
+                )  # fmt: skip
+
+    code = done_each(options, options.logs, score)[1]
     if options.json:
         figures = {name: scores.to_dict() for name, scores in found.items()}
         print(json.dumps(figures.get("", figures), indent=2, allow_nan=False))
     elif "" in found:
         print_table(_rows(found[""]))
-    else:
+    elif found:
         columns = [dict(_column(scores)) for scores in found.values()]
         print_table([("", *found), *((what, *(column[what] for column in columns)) for what in columns[0])])
-    return 0
+    return code
 
 
-def _logs_of_run(options: argparse.Namespace) -> dict[str, Path]:
+def _names(paths: Sequence[Path]) -> dict[Path, str]:
+    """What several logs and runs are called: by their own names, where these differ; a single one by none."""
+    if len(paths) == 1:
+        return {paths[0]: ""}
+    names = [path.name if path.is_dir() else path.stem for path in paths]
+    return {path: name if names.count(name) == 1 else str(path) for path, name in zip(paths, names, strict=True)}
+
+
+def _logs_of_run(options: argparse.Namespace, folder: Path) -> dict[str, Path]:
     """The logs of a run by engine; ConfigError for a folder of none, TrackLogError for a log of other events than the run's."""
     from ...lockstep.run_file import RUN_FILE, read_run_file  # with Numba, which scoring does not need
 
-    folder, described = options.log, None
+    described = None
     if (folder / RUN_FILE).is_file():
         described = read_run_file(folder / RUN_FILE)
     if described is None:
@@ -77,6 +91,10 @@ def _column(s: Scores) -> list[tuple[str, str]]:
         )),
         ("position error, median", _with(s.position_error_px_median, "px")),
         ("velocity error, median", _with(s.velocity_error_median, "px/s")),
+        ("stated velocity error, median", _with(s.stated_velocity_error_median, "px/s")),
+        ("stated direction, median error", _with(s.stated_angle_error_deg_median, "degrees")),
+        ("stated direction, over 45 degrees", _percent(s.stated_angle_over_45_deg_fraction)),
+        ("stated velocity, relative error", _percent(s.stated_relative_error_median)),
         ("latency", _with(s.latency_ms, "ms")),
     ]  # fmt: skip
 
@@ -96,9 +114,24 @@ def _rows(s: Scores) -> list[tuple[str, str]]:
         ("position error", f"{_with(s.position_error_px_median, 'px')} median, {_with(s.position_error_px_p90, 'px')} at 90 %"),
         ("velocity error", _with(s.velocity_error_median, "px/s median")),
         ("stated velocity", _with(s.stated_velocity_error_median, "px/s median")),
+        ("direction", _against_displacement(s)),
         ("latency", _with(s.latency_ms, "ms")),
     ]
 
 
+def _against_displacement(s: Scores) -> str:
+    if s.stated_angle_error_deg_median is None:
+        return "unknown"
+    return (
+        f"stated velocity {s.stated_angle_error_deg_median:.3g} degrees (median) off the displacement over 300 ms, "
+        f"more than 45 in {_percent(s.stated_angle_over_45_deg_fraction)}; "
+        f"{_percent(s.stated_relative_error_median)} relative error"
+    )
+
+
 def _with(value: float | None, unit: str) -> str:
     return "unknown" if value is None else f"{value:.3g} {unit}"
+
+
+def _percent(fraction: float | None) -> str:
+    return "unknown" if fraction is None else f"{100 * fraction:.3g} %"

@@ -16,9 +16,10 @@ from evcot.filters.run import filtered
 from evcot.recordings.files import format_for, write_events
 from evcot.trackers.config import RunConfig, load_toml
 
+from ...standard_streams import format_name
 from ..options import window_from
-from .filters import filters_from, save_learned
 from .opening import open_from
+from .settings import filters_from, save_learned
 from .spinner import Counting
 
 __all__ = ["run"]
@@ -27,7 +28,7 @@ __all__ = ["run"]
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Write what the filters let through; 0."""
     window = window_from(options)
-    kind = format_for(options.target)  # refused before the recording is read
+    kind = format_for(options.target, format_name(options.target))  # refused before the recording is read
     shown = not (options.quiet or options.json)
     with Counting(f"writing {options.target}", enabled=shown) as counting, open_from(options, options.source) as file:
         run = load_toml(options.config, RunConfig()) if options.config else RunConfig()

@@ -8,14 +8,18 @@ import json
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from evcot.recordings.describe import PEAK_WINDOW_US, Description, PixelFigures, describe
 
 from ..options import window_from
+from .each import done_each
 from .opening import open_from
 from .spinner import Counting
 
 __all__ = ["run"]
+
+_SIZES_PER_BURST = 1 / 8  # that an object may move; see docs/recordings.md, measured in tests/sw/trackers/test_engines.py
 
 
 _EARLIEST_DATE_US = 946_684_800_000_000  # times from the year 2000 on are dates; smaller ones count from some start
@@ -23,18 +27,32 @@ _LATEST_DATE_US = 4_102_444_800_000_000  # 2100
 
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    """Describe a recording; 0."""
+    """Describe recordings; 0, or 2 where one cannot be described."""
+    several = len(options.recordings) > 1
+    described = 0
+
+    def describe_one(path: Path) -> dict[str, Any]:
+        nonlocal described
+        with Counting(f"reading {path}") as counting, open_from(options, path) as file:
+            found = describe(file, *window, progress=counting.update)
+        if not options.json:
+            if described:
+                print()
+            _print(_rows(found, path))
+        described += 1
+        return {"file": str(path)} | found.to_dict()
+
     window = window_from(options)
-    with Counting(f"reading {options.recording}") as counting, open_from(options, options.recording) as file:
-        found = describe(file, *window, progress=counting.update)
+    reports, code = done_each(options, options.recordings, describe_one)
     if options.json:
-        print(json.dumps({"file": str(options.recording)} | found.to_dict(), indent=2))
-        return 0
-    rows = _rows(found, options.recording)
+        print(json.dumps(reports if several else reports[0], indent=2))
+    return code
+
+
+def _print(rows: list[tuple[str, str]]) -> None:
     width = max(len(name) for name, _ in rows)
     for name, value in rows:
         print(f"{name:{width}}  {value}")
-    return 0
 
 
 def _rows(found: Description, path: Path) -> list[tuple[str, str]]:
@@ -59,7 +77,9 @@ def _rate_rows(found: Description) -> Iterator[tuple[str, str]]:
     if found.mean_rate is not None:
         yield "mean rate", _rate(found.mean_rate)
     if found.burst_us is not None:
-        yield "bursts", f"events come in bursts of one time, every {found.burst_us / 1e3:.3g} ms on average"
+        sizes_per_s = _SIZES_PER_BURST * 1e6 / found.burst_us
+        limit = f"the default follows most objects of up to {sizes_per_s:.2g} times their size a second"
+        yield "bursts", f"events come in bursts of one time, every {found.burst_us / 1e3:.3g} ms on average: {limit}"
     if found.peak_rate is not None:
         yield "peak rate", f"{_rate(found.peak_rate)}, over {PEAK_WINDOW_US // 1000} ms"
 

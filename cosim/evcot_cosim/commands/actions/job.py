@@ -18,9 +18,8 @@ from evcot.trackers.presets import run_config
 from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, stalls_from
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
-from ..job import DEFAULT_SCENE
-from ..options import sensor_from
-from .filters import check_learning, filters_from, with_options
+from ..options import DEFAULT_SCENE, sensor_from
+from .settings import check_learning, filters_from, with_options
 
 __all__ = ["Job", "job_from"]
 

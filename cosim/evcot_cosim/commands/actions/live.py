@@ -20,19 +20,17 @@ from rich.console import Console
 from evcot.errors import ConfigError
 from evcot.events import Events
 
-from ...live.camera import CameraSource
 from ...live.dashboard import rows_of, show
 from ...live.player import Player
 from ...live.recorder import LogKeeper, Recorder
 from ...live.server import Server
-from ...live.sources import FileSource, LiveSource, NetworkSource
+from ...live.sources import CameraSource, FileSource, LiveSource, NetworkSource
 from ...tables import print_table
 from ..options import sensor_from, window_from
-from .filters import save_learned
-from .length import Length
 from .live_runs import Runs
 from .opening import open_from
-from .settings import say_seen
+from .progress import Length
+from .settings import save_learned, say_seen
 from .spinner import Counting
 
 __all__ = ["run"]

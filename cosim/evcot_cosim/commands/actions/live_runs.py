@@ -12,19 +12,17 @@ from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.modules import MODULES
-from evcot.trackers.engines import ENGINES
+from evcot.trackers.engines import ENGINES, usable_engines
 from evcot.trackers.presets import run_config
 from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
 
-from ...live.hardware import HARDWARE, hardware_beside, warm_up
 from ...live.player import Begin, Run, Wish
 from ...live.recorder import LogKeeper, Recorder
 from ...live.session import Session
 from ...live.sources import FileSource, LiveSource
-from ...live.tracker_thread import Beside
-from .filters import filters_from, with_options
-from .settings import configured
+from ...live.tracker_thread import HARDWARE, Beside, hardware_beside, warm_up
+from .settings import configured, filters_from, with_options
 
 __all__ = ["Runs"]
 
@@ -105,7 +103,7 @@ class Runs:
             "name": source.name, "engine": wish.engine, "preset": wish.preset,
             "width": source.sensor[0], "height": source.sensor[1],
             "speed": self._options.speed if is_file else 1.0,
-            "engines": {name: list(engine.presets) for name, engine in ENGINES.items()},
+            "engines": {name: list(engine.presets) for name, engine in usable_engines().items()},
             "lanes": [wish.engine, *([HARDWARE] if wish.hardware else [])],
             "kinds": ["model" if wish.engine in MODULES else "software", *([HARDWARE] if wish.hardware else [])],
             "seekable": is_file,

@@ -10,8 +10,7 @@ from typing import Any
 from evcot.errors import TrackLogError
 from evcot.events import Events
 from evcot.tracks.log import TrackLog
-from evcot.tracks.log_match import Extent, check_belongs
-from evcot.tracks.reading import RecordRuns
+from evcot.tracks.log_files import Extent, RecordRuns, check_belongs
 from evcot.tracks.suffixes import PARQUET
 
 __all__ = ["check_logs", "log_of_run", "run_extent"]

@@ -8,25 +8,27 @@ import json
 import re
 import shlex
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import evcot
 from evcot.errors import ConfigError
 from evcot.events import Recording
-from evcot.hardware.modules import MODULES
+from evcot.metrics import evaluate
+from evcot.metrics.scores import warn_of_other_truth
 from evcot.outputs import is_own_file, remade
 from evcot.tracks.log import TrackLog
-from evcot.tracks.log_match import Extent
-from evcot.tracks.reading import open_log
+from evcot.tracks.log_files import Extent, open_log
 
 from ...lockstep.run_file import RUN_FILE, Source, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
 from ...report import REPORT, Material, Run, Side, Truth, comparison_of, truth_of, write_report
-from ...report.long_logs import write_long_logs
-from ...report.overview import write_overview
-from ...report.subsample import EVENTS_MAX
+from ...report.artifacts import files_of
+from ...report.long_run import write_long_logs
+from ...report.pack import EVENTS_MAX
+from ...report.part_pages import write_overview
+from ...side_names import side_name, side_names
+from ...standard_streams import as_file
 from ..options import sensor_from, window_from
 from .log_checks import check_logs, run_extent
 from .opening import open_from
@@ -41,6 +43,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     """Write the page; 0."""
     if options.rule and not options.truth:
         raise ConfigError("--rule: must be given with --truth")
+    options.run = [as_file(path) for path in options.run]
     folders, logs = [path for path in options.run if path.is_dir()], [path for path in options.run if not path.is_dir()]
     if len(folders) > 2 or (len(folders) == 2 and logs):
         raise ConfigError("RUN: must be one folder, one folder and logs, logs, or two folders to compare")
@@ -66,9 +69,9 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
             if more:
                 return _of_long_logs(options, logs, source, command, path, progress)
             material = _of_logs(options, logs, recording, source, command)
-        if options.truth:
-            sensor = sensor_from(options) or (material.recording.width, material.recording.height)
-            material = replace(material, truth=Truth.read(options.truth, sensor, options.rule))
+        if options.truth and material.truth is not None:
+            for side in material.sides:
+                warn_of_other_truth(evaluate(side.log, material.truth.objects, material.truth.rule), str(options.truth))
         progress.note("writing the page")
         write_report(material, path, force=force)
         remade(path)
@@ -101,12 +104,30 @@ def _of_run(options: argparse.Namespace, folder: Path, logs: Sequence[Path]) -> 
     summary = read_summary(folder / SUMMARY)
     names = ("hardware", "model") if "mismatch" in summary else ("hardware", "software")
     paths = [folder / f"{name}.npz" for name in names]
-    sides = [Side(name, TrackLog.load(path)) for name, path in zip(names, paths, strict=True)]
+    waves = {"hardware": str(folder)}
+    sides = [Side(name, TrackLog.load(path), waves.get(name)) for name, path in zip(names, paths, strict=True)]
     recording, source = _recording(options) if options.recording is not None else _recording_of_run(folder)
     extent = run_extent(recording.events, [side.log for side in sides], summary)
     sides = _named(sides, logs)
     check_logs(zip([*paths, *logs], (side.log for side in sides), strict=True), source.recording, extent)
-    return Material(recording, summary, tuple(sides), None if options.truth else truth_of(source, recording))
+    beside = options.output is None or options.output.resolve().parent == folder.resolve()
+    known = {name: value for name, value in summary.items() if name != "truth" or not options.truth}
+    truth = _truth(options, source, recording)
+    return Material(recording, known, tuple(sides), truth, files=files_of(folder) if beside else ())
+
+
+def _truth(options: argparse.Namespace, source: Source, recording: Recording) -> Truth | None:
+    """The truth that is given, else that of the recording."""
+    if not options.truth:
+        return truth_of(source, recording)
+    sensor = sensor_from(options) or (recording.width, recording.height)
+    truth = Truth.read(options.truth, sensor, options.rule)
+    t_us = recording.events.t_us
+    if not len(t_us) or not len(truth.within(int(t_us[0]), int(t_us[-1])).objects.instants_us):
+        raise ConfigError(
+            f"{options.truth}: has no instant within the time of {recording.name}: must be the truth of this recording"
+        )
+    return truth
 
 
 def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
@@ -120,41 +141,20 @@ def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
     runs = []
     for folder in folders:
         summary = read_summary(folder / SUMMARY)
-        paths = [folder / f"{name}.npz" for name in ("hardware", "software")]
+        path = folder / "hardware.npz"
         if "mismatch" in summary:
             raise ConfigError(f"{folder}: ended in a mismatch of hardware and model: must be a complete run")
-        logs = [TrackLog.load(path) for path in paths]
-        check_logs(zip(paths, logs, strict=True), source.recording, Extent.of([recording.events]))
-        runs.append(Run(folder.name or str(folder), summary, *logs))
-    return comparison_of(recording, runs[0], runs[1], None if options.truth else truth_of(source, recording))
+        log = TrackLog.load(path)
+        check_logs([(path, log)], source.recording, Extent.of([recording.events]))
+        runs.append(Run(folder.name or str(folder), str(folder), summary, log))
+    return comparison_of(recording, runs[0], runs[1], _truth(options, source, recording))
 
 
 def _named(sides: list[Side], paths: Sequence[Path]) -> list[Side]:
     """The sides with those of further logs."""
     logs = [TrackLog.load(path) for path in paths]
-    names = _names_of([side.name for side in sides], [(log.engine, path) for log, path in zip(logs, paths, strict=True)])
+    names = side_names([side.name for side in sides], [(log.engine, path.stem) for log, path in zip(logs, paths, strict=True)])
     return [*sides, *(Side(name, log) for name, log in zip(names, logs, strict=True))]
-
-
-def _names_of(taken: Sequence[str], logs: Sequence[tuple[str, Path]]) -> list[str]:
-    """Names of sides for logs, given as engine and file: after their engine, else their file."""
-    names: list[str] = []
-    for engine, path in logs:
-        slug = _slug(_side_of(engine, path, engine))
-        offered = [slug, _slug(path.stem), *(f"{slug}_{i}" for i in range(2, len(taken) + len(names) + 3))]
-        names.append(next(name for name in offered if name not in taken and name not in names))
-    return names
-
-
-def _side_of(engine: str, path: Path, otherwise: str) -> str:
-    """The side that a log is of: `evcot cosim` writes those of the hardware and of its golden model under these names."""
-    return path.stem if engine in MODULES and path.stem in ("hardware", "model") else otherwise
-
-
-def _slug(text: str) -> str:
-    """A side's name: `truth` is another's."""
-    name = re.sub(r"[^a-z0-9_]", "_", text.lower())
-    return name if name[:1].isalpha() and name != "truth" else f"log_{name}"
 
 
 def _recording_of_run(folder: Path) -> tuple[Recording, Source]:
@@ -185,12 +185,12 @@ def _of_logs(
 ) -> Material:
     if len(paths) == 1:
         log = TrackLog.load(paths[0])
-        sides = [Side(_side_of(log.engine, paths[0], "software"), log)]
+        sides = [Side(side_name(log.engine, paths[0].stem, "software"), log)]
     else:
         sides = _named([], paths)
     check_logs(zip(paths, (side.log for side in sides), strict=True), source.recording, Extent.of([recording.events]))
     summary = {"name": recording.name, "command": command, "versions": {"evcot": evcot.__version__}}
-    return Material(recording, summary, tuple(sides), None if options.truth else truth_of(source, recording))
+    return Material(recording, summary, tuple(sides), _truth(options, source, recording))
 
 
 def _of_long_logs(
@@ -202,9 +202,9 @@ def _of_long_logs(
         raise ConfigError(f"{source.recording}: has more than {EVENTS_MAX} events: {rule}")
     logs = [open_log(log) for log in paths]
     if len(paths) == 1:
-        names = [_side_of(logs[0].engine, paths[0], "software")]
+        names = [side_name(logs[0].engine, paths[0].stem, "software")]
     else:
-        names = _names_of([], [(log.engine, path) for log, path in zip(logs, paths, strict=True)])
+        names = side_names([], [(log.engine, path.stem) for log, path in zip(logs, paths, strict=True)])
     summary = write_long_logs(
         dict(zip(names, logs, strict=True)), source, path, command,
         check=lambda extent: check_logs(zip(paths, logs, strict=True), source.recording, extent),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from evcot.errors import RecordingError
 
-from ...rtl.fingerprint import code_fingerprint
+from ...rtl.files import code_fingerprint
 
 __all__ = ["say_resumed", "work_key"]
 

@@ -17,6 +17,7 @@ from evcot.ranges import read_pair
 from evcot.recordings.files import write_events
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
 
+from ...standard_streams import STANDARD_OUTPUT, format_name
 from ..options import sensor_from
 from .spinner import Counting
 
@@ -60,6 +61,8 @@ def _list(options: argparse.Namespace) -> None:
 def _scene(options: argparse.Namespace) -> dict[str, Any]:
     name = options.scene
     settings = scene_settings(name, options.seed, _overrides(options, name))
+    if options.output == STANDARD_OUTPUT and options.truth is None:
+        raise ConfigError("--truth: must be given with -o -: standard output has no folder for it")
     truth_path = options.truth or options.output.with_name(f"{options.output.stem}.truth.csv")
     options.claims.write("--truth", truth_path, force=options.force)
 
@@ -69,7 +72,8 @@ def _scene(options: argparse.Namespace) -> dict[str, Any]:
         yield scene.recording.events
 
     with written_aside(truth_path, force=options.force) as truth_file:
-        count = write_events(options.output, (settings.width, settings.height), blocks(), force=options.force)
+        sensor, kind = (settings.width, settings.height), format_name(options.output)
+        count = write_events(options.output, sensor, blocks(), kind, force=options.force)
     return _report(options, count, settings.width, settings.height, settings, str(truth_path))
 
 
@@ -85,7 +89,8 @@ def _footage(options: argparse.Namespace) -> dict[str, Any]:
             raise ConfigError(f"--{option}: must not be given for footage, whose sensor is its own and whose truth is unknown")
     footage = adjusted("footage", Footage(), {"seed": options.seed, **_overrides(options, "footage")})
     film = open_film(path, footage)
-    count = write_events(options.output, (film.width, film.height), film.events(), force=options.force)
+    sensor, kind = (film.width, film.height), format_name(options.output)
+    count = write_events(options.output, sensor, film.events(), kind, force=options.force)
     return _report(options, count, film.width, film.height, footage, None)
 
 

@@ -17,13 +17,13 @@ from ...sweep.execute import MISMATCH as DIFFERS
 from ...sweep.finish import finish, leaders
 from ...sweep.folder import JUNIT, REPORT, folder_names
 from ...sweep.plan import Plan, Planner, points_of
+from ...sweep.playback import repeat
 from ...sweep.pool import cores
-from ...sweep.repeat import repeat
 from ...sweep.run import Swept, run_sweep
 from ...sweep.spec import Spec, read_spec
 from ...tables import counted as count
 from ...tables import print_table
-from ..exit_codes import MISMATCH
+from ..parsing import MISMATCH
 from .progress import Progress
 
 __all__ = ["jobs_from", "run", "swept"]

@@ -20,13 +20,12 @@ from ...devices.device import build_device
 from ...fpga.activity import ModuleToggles, by_module, design_of, nets_of, uncounted
 from ...lockstep.lockstep import dump_window
 from ...tables import print_table
-from ...waves.saif import write_saif
-from ...waves.toggles import count_toggles
+from ...waves.toggles import count_toggles, write_saif
 from ...waves.window import CLOCK, Window
+from ..hardware import TOGGLES_MS
 from ..options import window_from
-from ..toggles import TOGGLES_MS
-from .filters import save_learned
 from .job import Job, job_from
+from .settings import save_learned
 from .spinner import Counting
 
 __all__ = ["run"]

@@ -17,21 +17,19 @@ from evcot.trackers.engines import ENGINES
 from evcot.tracks.formats.of_log import boxes_of_log
 from evcot.tracks.formats.registry import box_format, write_boxes
 from evcot.tracks.log import Kind
+from evcot.tracks.log_files import check_log_path, save_log, write_csv
 from evcot.tracks.spool import LogSpool
 from evcot.tracks.spooling import track_into
 from evcot.tracks.tally import Tally
-from evcot.tracks.writing import check_log_path, save_log, write_csv
 from evcot.unfinished import unfinished
 
 from ...tables import print_table
 from ..options import window_from
 from .clock import clock_from
-from .filters import filters_from, save_learned
-from .length import counted_ahead
 from .opening import open_from
-from .progress import Progress
+from .progress import Progress, counted_ahead
 from .resume import say_resumed, work_key
-from .settings import configured, plain, say_seen
+from .settings import configured, filters_from, plain, save_learned, say_seen
 
 __all__ = ["run"]
 
@@ -65,6 +63,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         def key() -> str:
             return work_key(file.path, "track", options.engine, settings, filters, sensor, window, options.skip_damaged)
 
+        # The state of another package's tracker cannot be read back safely.
+        every = 0 if ENGINES[options.engine].plug_in else options.checkpoint
         work = held.enter_context(unfinished(outputs[0], key)) if outputs else None
         with (
             Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress,
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             progress.note("preparing the tracker (compiled the first time, up to a minute)")
             done = track_into(
                 work, options.engine, lambda: ENGINES[options.engine].start(settings, filters, sensor),
-                _counted(file.blocks(*window, required=True), progress), options.checkpoint, _say(options, file),
+                _counted(file.blocks(*window, required=True), progress), every, _say(options, file),
             )  # fmt: skip
         found = _found(done.tally)
         if done.log is not None:

@@ -17,11 +17,11 @@ from ...lockstep.run_file import write_run_file
 from ...tables import print_table
 from ...waves.properties import Verdict, judge, load_properties
 from ...waves.window import Window, wave_names, write_waves
-from ..exit_codes import BROKEN
+from ..hardware import REACH, WAVES_MS
 from ..options import window_from
-from ..waves import REACH, WAVES_MS
-from .filters import save_learned
+from ..parsing import BROKEN
 from .job import Job, job_from
+from .settings import save_learned
 from .spinner import Counting
 
 __all__ = ["check", "run"]

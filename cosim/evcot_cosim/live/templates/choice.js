@@ -16,7 +16,7 @@ function showChoice({ engines, engine, preset, lanes, seekable, changes, fixed }
   fill(field("engine"), Object.keys(engines), engine);
   showPresets(preset);
   field("hardware").checked = lanes.includes("hardware");
-  choice.querySelector(".transport").hidden = !seekable;
+  choice.querySelector(".seek").hidden = !seekable;
   for (const control of choice.elements) control.disabled = !changes;
   field("place").disabled = true; // until its length is known
   played.changes = changes;
@@ -29,13 +29,9 @@ function showPresets(chosen) {
   field("preset").append(...presets.map((name) => new Option(name, name, false, name === chosen)));
 }
 
-/** The trackers by the colours of their boxes. */
+/** The trackers by the lines of their boxes. */
 function showLanes(lanes, kinds) {
-  const items = lanes.flatMap((name, lane) => {
-    const sign = document.createElement("i");
-    sign.dataset.lane = kinds[lane];
-    return [sign, ` ${name} `];
-  });
+  const items = lanes.map((name, lane) => element("span", { class: "layer" }, element("i", { class: `line ${kinds[lane]}` }), name));
   document.getElementById("lanes").replaceChildren(...items);
 }
 

@@ -13,7 +13,7 @@ function milliseconds({ p50, p99 }) {
 function put(id, text, bad = false) {
   const place = document.getElementById(id);
   if (place.textContent !== text) place.textContent = text;
-  place.classList.toggle("bad", bad);
+  place.classList.toggle("poor", bad);
 }
 
 /** The figures of the trackers beside it, one block each. */
@@ -54,13 +54,13 @@ function showClusters(clusters) {
   while (rows.children.length > shown.length) rows.lastChild.remove();
   while (rows.children.length < shown.length) {
     const row = rows.insertRow();
-    for (let i = 0; i < 6; i++) row.insertCell();
+    for (let i = 0; i < 6; i++) row.insertCell().className = i ? "number" : "";
   }
   shown.forEach(({ id, lane, age, x, y, width, height, vx, vy }, i) => {
     const size = `${width.toFixed(0)}×${height.toFixed(0)}`;
     const speed = vx || vy ? Math.hypot(vx, vy).toFixed(0) : "–"; // not every tracker measures it
     const texts = [String(id), `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), size, speed];
-    rows.children[i].dataset.lane = lane;
+    rows.children[i].cells[0].className = lane ? "hardware-name" : "";
     texts.forEach((text, cell) => { rows.children[i].children[cell].textContent = text; });
   });
 }

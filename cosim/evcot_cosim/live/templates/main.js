@@ -3,11 +3,10 @@
 
 const RECONNECT_MS = [500, 1000, 2000, 4000];
 const TABLE_MS = 250;
-const AHEAD_S = 0.1; // of the recording: the way that an arrow shows
 const ENDED = "ended; a new run at this address is shown by itself";
 
-const controls = document.getElementById("controls");
-const canvas = document.getElementById("stage");
+const rail = document.getElementById("rail");
+const canvas = document.getElementById("picture");
 const pauseButton = document.getElementById("pause");
 const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, kinds: [], socket: null, tries: 0, tabled: 0, ended: false };
 
@@ -17,31 +16,33 @@ function showState(state, text) {
   if (place.textContent !== text) place.textContent = text;
 }
 
-function applyColours() {
-  const style = getComputedStyle(document.documentElement);
-  const of = (name) => style.getPropertyValue(`--${name}`).trim();
-  const rgb = (name) => [1, 3, 5].map((at) => parseInt(of(name).slice(at, at + 2), 16));
-  live.colours = { software: of("software"), model: of("model"), hardware: of("hardware") };
-  live.stage?.dress({ ground: rgb("ground"), off: rgb("off"), on: rgb("on"), edge: of("edge"), font: of("font") });
+function dress() {
+  live.theme = readTheme();
+  live.stage?.dress(live.theme);
+  draw();
+}
+
+function layOut() {
+  live.stage?.resize();
+  draw();
 }
 
 function begin(hello) {
-  document.getElementById("name").textContent = hello.name;
+  document.getElementById("title").textContent = hello.name;
   const preset = hello.preset ?? "default preset";
   document.getElementById("what").textContent = `${hello.engine}, ${preset} · ${hello.width}×${hello.height} px`;
   showChoice(hello);
   showLanes(hello.lanes, hello.kinds);
   document.title = `${hello.name} · evcot live`;
-  document.documentElement.style.setProperty("--sensor", `${hello.width} / ${hello.height}`);
+  for (const [name, size] of [["--wide", hello.width], ["--high", hello.height]]) document.getElementById("app").style.setProperty(name, size);
   Object.assign(live, { speed: hello.speed, kinds: hello.kinds, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
   const seen = live.stage?.sensor;
   if (!seen || seen.width !== hello.width || seen.height !== hello.height) {
     live.stage = new Stage(canvas, hello.width, hello.height);
     live.zoom = zoomable(live.stage, draw);
   }
-  applyColours();
   live.stage.resize();
-  draw();
+  dress();
 }
 
 function onMessage(event) {
@@ -79,7 +80,7 @@ function show() {
 }
 
 function addEvents({ t, x, y, p, filtered }) {
-  const all = controls.filtered.checked;
+  const all = rail.elements.filtered.checked;
   for (let i = 0, from = 0; i <= t.length; i++) {
     if (i < t.length && (all || !filtered[i])) continue;
     if (from < i) live.surface.add(t, x, y, p, from, i);
@@ -89,17 +90,23 @@ function addEvents({ t, x, y, p, filtered }) {
 
 function draw() {
   if (!live.stage) return;
-  const show = { box: controls.boxes.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked, velocity: controls.velocity.checked };
+  const option = (name) => rail.elements[name].checked;
+  const tags = [];
   const layers = live.kinds.map((kind, lane) => {
-    const clusters = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle, vx, vy }) => {
-      const trail = live.trails.of(lane, id);
-      return { id, x, y, angle, vx, vy, halfWidth: width / 2, halfHeight: height / 2, inner: null, trail, strong: false };
+    const boxes = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle }) => {
+      const trail = option("trails") ? live.trails.of(lane, id) : null;
+      const box = { x, y, angle, halfWidth: width / 2, halfHeight: height / 2, trail, strong: false };
+      const there = lane > 0 && tags.some((tag) => tag.parts[0][0] === String(id) && Math.hypot(tag.box.x - x, tag.box.y - y) < 1);
+      if (option("numbers") && !there) tags.push({ box, parts: [[String(id)]], strong: false }); // one number where both agree
+      return box;
     });
-    const dash = kind === "model" ? [6, 4] : []; // as in the report: solid is hardware
-    return { colour: live.colours[kind], dash, width: 1.8, show, ahead: AHEAD_S, clusters, corner: kind === "hardware" ? "right" : "left" };
+    return { ...live.theme.sides[kind], boxes: option("boxes") ? boxes : [], marks: [] };
   });
-  const decay = Number(controls.decay.value) * live.speed;
-  live.stage.draw(live.surface, live.now, decay, layers);
+  live.stage.draw(live.surface, live.now, (fadeMs() / 5) * live.speed, layers, tags);
+}
+
+function fadeMs() {
+  return 10 ** Number(rail.elements.fade.value);
 }
 
 function connect() {
@@ -116,16 +123,31 @@ function connect() {
   live.socket = socket;
 }
 
-pauseButton.addEventListener("click", () => {
-  pauseButton.ariaPressed = String(pauseButton.ariaPressed !== "true");
-  pauseButton.textContent = pauseButton.ariaPressed === "true" ? "Resume" : "Pause";
-});
-document.getElementById("fit").addEventListener("click", () => live.zoom?.fit());
+const acts = {
+  toggle() {
+    pauseButton.ariaPressed = String(pauseButton.ariaPressed !== "true");
+    pauseButton.textContent = pauseButton.ariaPressed === "true" ? "Resume" : "Pause";
+  },
+  zoomIn: () => live.zoom?.zoom(1.5), zoomOut: () => live.zoom?.zoom(1 / 1.5), fit: () => live.zoom?.fit(),
+  fade(direction) {
+    rail.elements.fade.stepUp(3 * direction);
+    rail.dispatchEvent(new Event("input"));
+  },
+  theme: () => document.getElementById("theme").click(),
+  layers: () => rail.classList.toggle("open"),
+};
+for (const button of document.querySelectorAll("[data-act]")) button.addEventListener("click", () => acts[button.dataset.act]());
 onWish((wish) => {
   if (live.socket?.readyState === WebSocket.OPEN) live.socket.send(playMessage(wish));
 });
-controls.addEventListener("input", draw);
-controls.addEventListener("submit", (event) => event.preventDefault());
-new ResizeObserver(() => { if (live.stage?.resize()) draw(); }).observe(canvas);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { applyColours(); draw(); });
+rail.addEventListener("input", () => {
+  rail.querySelector("output").textContent = `${Number(fadeMs().toPrecision(2))} ms`;
+  draw();
+});
+rail.addEventListener("submit", (event) => event.preventDefault());
+rail.dispatchEvent(new Event("input"));
+new ResizeObserver(layOut).observe(canvas);
+listenToKeys(acts);
+listenToSplitters(layOut);
+watchTheme(document.getElementById("theme"), dress);
 connect();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time axis that all curves share, and its ticks.
+// The time axis of the timeline, and its ticks.
 
 const SHORTEST = 20; // us
 const FOLLOW = 0.1; // position of the current time on the axis after scrolling to it
@@ -34,22 +34,23 @@ export class Axis {
   /** Zoom by a factor around a time, which keeps its position. */
   zoomAt(factor, time) {
     const span = Math.min(Math.max(this.span / factor, SHORTEST), this.duration);
-    this.#place(time - ((time - this.from) / this.span) * span, span);
+    this.place(time - ((time - this.from) / this.span) * span, span);
   }
 
   /** Scroll by a fraction of the shown interval. */
   pan(part) {
-    this.#place(this.from + part * this.span, this.span);
+    this.place(this.from + part * this.span, this.span);
   }
 
   /** Scroll until a time is visible; returns whether the axis moved. */
   follow(time) {
     if (time >= this.from && time <= this.to) return false;
-    this.#place(time - FOLLOW * this.span, this.span);
+    this.place(time - FOLLOW * this.span, this.span);
     return true;
   }
 
-  #place(from, span) {
+  /** Show a part that begins at a time. */
+  place(from, span = this.span) {
     this.from = Math.min(Math.max(from, 0), this.duration - span);
     this.to = this.from + span;
   }

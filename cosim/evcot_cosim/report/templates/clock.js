@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The playback time, in microseconds after the first event: paused, or running at some speed.
+// The playback time, in microseconds after the first event: paused, or running at some speed; and the bar below the picture.
 
 const FRAME_MAX = 100; // ms that one frame may advance: after a pause of the tab nothing is skipped
 
@@ -54,5 +54,33 @@ export class Clock {
   toggle() {
     if (this.playing) this.pause();
     else this.play();
+  }
+}
+
+/** The bar below the picture: play, time, speed. */
+export class Transport {
+  constructor(clock) {
+    this.clock = clock;
+    this.button = document.getElementById("play");
+    this.time = document.getElementById("clock");
+    this.speed = document.getElementById("speed");
+    this.speed.addEventListener("change", () => { clock.speed = Number(this.speed.value); });
+    clock.speed = Number(this.speed.value);
+  }
+
+  /** The next speed up or down. */
+  faster(direction) {
+    this.speed.selectedIndex = Math.min(Math.max(this.speed.selectedIndex + direction, 0), this.speed.options.length - 1);
+    this.clock.speed = Number(this.speed.value);
+  }
+
+  draw() {
+    const { playing, now } = this.clock;
+    this.time.textContent = `${(now / 1e6).toFixed(3)} s`;
+    if (this.button.dataset.playing === String(playing)) return;
+    if (this.button.dataset.playing === "true") document.getElementById("said").textContent = `Paused at ${this.time.textContent}`;
+    this.button.dataset.playing = String(playing);
+    this.button.setAttribute("aria-label", playing ? "Pause" : "Play");
+    this.button.querySelector("use").setAttribute("href", playing ? "#icon-pause" : "#icon-play");
   }
 }

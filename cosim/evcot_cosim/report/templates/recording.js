@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The events, and a surface with the events up to the current time.
-import { after } from "./search.js";
+import { after } from "./columns.js";
 import { EventSurface } from "./surface.js";
 
 export class Recording {

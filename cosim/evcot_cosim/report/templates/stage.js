@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zoomable canvas of events and clusters. Coordinates are in pixels of the sensor; (x, y) is the centre of that pixel.
+// Zoomable canvas of events and boxes. Coordinates are in pixels of the sensor; (x, y) is the centre of that pixel.
 import { fading } from "./surface.js";
 
-const ID_PX = 11;
-const INNER_DASH = [1, 3];
-const ARROW_PX = 7; // of the head; a shorter arrow is not drawn
+const TAG_PX = 17; // height of a number
+const TAGS_MAX = 60;
 const TRAIL_STEP_PX = 2; // shorter steps of a trail are left out
-const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of common density
+const MARK_PX = 6;
+const ZOOM_MAX = 16;
 
 /**
- * @typedef {{id: string|number, x: number, y: number, halfWidth: number, halfHeight: number, inner: ?number,
- *   trail: ?ArrayLike<number>, strong: boolean}} Cluster  inner: half side or null; trail: x0, y0, x1, y1, … oldest first
- * @typedef {{colour: string, dash: number[], width: number, clusters: Cluster[],
- *   show: {window: boolean, inner: boolean, id: boolean, trail: boolean}, marks: ?{x: number, y: number, kind: string,
- *   text: string, fresh: ?number}[], corner: ?("left"|"right"|"below")}} Layer  dash in canvas pixels; marks: of kind "merge" or "loss";
- *   corner: where ids stand
+ * @typedef {{x: number, y: number, halfWidth: number, halfHeight: number, angle: ?number, strong: boolean, colour: ?string,
+ *   trail: ?ArrayLike<number>}} Box  trail: x0, y0, x1, y1, … oldest first
+ * @typedef {{colour: string, dash: number[], width: number, filled: boolean, boxes: Box[], marks: {x: number, y: number, merge: boolean}[]}} Layer
+ * @typedef {{box: Box, parts: [string, ?string][], strong: boolean}} Tag  parts: texts and their colours
  */
 
 export class Stage {
@@ -26,32 +24,27 @@ export class Stage {
     this.image = new ImageData(width, height);
     this.words = new Uint32Array(this.image.data.buffer);
     this.bitmap = document.createElement("canvas");
-    this.bitmap.width = width;
-    this.bitmap.height = height;
+    Object.assign(this.bitmap, { width, height });
     this.bitmapContext = this.bitmap.getContext("2d", { alpha: false });
-    this.zoom = 1; // 1: the whole sensor fills the canvas
+    this.overlay = null; // a picture of the whole sensor to lay over the events
+    this.zoom = 1; // 1: the whole sensor fits into the canvas
     this.centre = { x: (width - 1) / 2, y: (height - 1) / 2 };
     this.resize();
   }
 
-  /** Adapt to the layout's size; returns whether it changed. */
+  /** Adapt to the layout's size. */
   resize() {
-    const ratio = window.devicePixelRatio || 1;
-    const box = this.canvas.getBoundingClientRect();
-    const width = Math.max(1, Math.round(box.width * ratio));
-    const height = Math.max(1, Math.round(box.height * ratio));
-    if (width === this.canvas.width && height === this.canvas.height) return false;
-    Object.assign(this.canvas, { width, height });
-    this.ratio = ratio;
-    return true;
+    this.ratio = window.devicePixelRatio || 1;
+    const { clientWidth, clientHeight } = this.canvas;
+    const [width, height] = [clientWidth, clientHeight].map((size) => Math.max(1, Math.round(size * this.ratio)));
+    if (width !== this.canvas.width || height !== this.canvas.height) Object.assign(this.canvas, { width, height });
   }
 
-  /** Set colours: background, OFF and ON events as [r, g, b], the rest as CSS colours. */
-  dress({ ground, off, on, edge, font }) {
+  /** Set the colours, as `readTheme` gives them. */
+  dress(theme) {
+    const { ground, off, on } = theme.stage;
+    this.theme = theme;
     this.colours = [fading(off, ground), fading(on, ground)];
-    this.edge = edge; // beyond the sensor
-    this.ground = `rgb(${ground.join(",")})`;
-    this.font = font;
   }
 
   /** Canvas pixels per pixel of the sensor. */
@@ -72,8 +65,7 @@ export class Stage {
   /** Zoom by a factor around (clientX, clientY). */
   zoomAt(factor, clientX, clientY) {
     const before = this.toSensor(clientX, clientY);
-    const most = (ZOOM_MAX * this.ratio * this.zoom) / this.scale;
-    this.zoom = Math.min(Math.max(this.zoom * factor, 1), Math.max(1, most));
+    this.zoom = Math.min(Math.max(this.zoom * factor, 1), ZOOM_MAX);
     const after = this.toSensor(clientX, clientY);
     this.moveTo(this.centre.x + before.x - after.x, this.centre.y + before.y - after.y);
   }
@@ -98,51 +90,56 @@ export class Stage {
     this.moveTo(0, 0);
   }
 
-  /** Whether a position on the sensor is visible. */
-  sees(x, y) {
-    const { width, height } = this.canvas;
-    return Math.abs(x - this.centre.x) * this.scale < 0.45 * width && Math.abs(y - this.centre.y) * this.scale < 0.45 * height;
-  }
-
-  /** Draw an EventSurface at time `now`, then the layers, the first one lowest. */
-  draw(surface, now, decay, layers) {
-    const { context, canvas, bitmapContext, image, scale } = this;
+  /** Draw an EventSurface at time `now`, then the layers, the first one lowest, and the numbers. */
+  draw(surface, now, decay, layers, tags) {
+    const { context, canvas, scale, sensor } = this;
     surface.paint(this.words, now, decay, this.colours);
-    bitmapContext.putImageData(image, 0, 0);
+    this.bitmapContext.putImageData(this.image, 0, 0);
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.fillStyle = this.edge;
+    context.fillStyle = this.theme.edge;
     context.fillRect(0, 0, canvas.width, canvas.height);
     const left = canvas.width / 2 - (this.centre.x + 0.5) * scale;
     const top = canvas.height / 2 - (this.centre.y + 0.5) * scale;
     context.imageSmoothingEnabled = scale < 1;
-    context.drawImage(this.bitmap, left, top, this.sensor.width * scale, this.sensor.height * scale);
+    const place = [left, top, sensor.width * scale, sensor.height * scale];
+    context.drawImage(this.bitmap, ...place);
+    if (this.overlay) {
+      context.globalAlpha = 0.7;
+      context.drawImage(this.overlay, ...place);
+      context.globalAlpha = 1;
+    }
     context.save();
+    context.beginPath();
+    context.rect(...place);
+    context.clip();
     context.translate(Math.round(left + scale / 2), Math.round(top + scale / 2)); // whole pixels keep frames sharp
-    this.taken = []; // by texts: a later one does not go over them
     for (const layer of layers) this.#drawLayer(layer);
     for (const layer of layers) this.#mark(layer);
+    const view = { left: -scale / 2, top: -scale / 2, right: (sensor.width - 0.5) * scale, bottom: (sensor.height - 0.5) * scale };
+    this.#drawTags(tags, view);
     context.restore();
   }
 
-  #drawLayer({ colour, dash, width, clusters, show, ahead, corner = "left" }) {
+  #drawLayer({ colour, dash, width, boxes, filled }) {
     const { context, ratio } = this;
-    context.strokeStyle = context.fillStyle = colour;
-    if (show.trail) {
-      context.lineWidth = width * ratio;
-      context.globalAlpha = 0.75;
-      for (const cluster of clusters) this.#trace(cluster.trail);
-      context.globalAlpha = 1;
+    context.globalAlpha = 0.75;
+    for (const box of boxes) {
+      context.strokeStyle = box.colour ?? colour;
+      context.lineWidth = width * ratio * (box.strong ? 1.2 : 0.75);
+      this.#trace(box.trail);
     }
-    for (const cluster of clusters) {
-      const pen = Math.round(width * ratio) * (cluster.strong ? 2 : 1);
-      if (show.box) this.#box(cluster, pen, dash);
-      if (show.inner && cluster.inner !== null) this.#frame(cluster, cluster.inner, cluster.inner, ratio, INNER_DASH);
+    context.globalAlpha = 1;
+    for (const box of boxes) {
+      if (box.strong && filled) {
+        context.globalAlpha = 0.1;
+        context.fillStyle = this.theme.accent;
+        this.#turned(box, (x, y) => context.fillRect(...this.#rectangle(box, x, y)));
+        context.globalAlpha = 1;
+      }
+      context.fillStyle = box.colour ?? colour;
+      const pen = Math.max(1, Math.round(width * ratio * (box.strong ? 1.6 : 1)));
+      this.#turned(box, (x, y) => this.#frame(this.#rectangle(box, x, y), pen, dash));
     }
-    if (show.velocity) {
-      context.lineWidth = width * ratio;
-      for (const cluster of clusters) this.#arrow(cluster, ahead);
-    }
-    if (show.id) this.#writeIds(clusters, colour, corner);
   }
 
   #trace(trail) {
@@ -159,41 +156,27 @@ export class Stage {
     context.stroke();
   }
 
-  /** The way that a cluster goes in `ahead` seconds, as an arrow from its centre. */
-  #arrow({ x, y, vx = 0, vy = 0 }, ahead) {
-    const { context, scale, ratio } = this;
-    const [wide, high] = [vx * ahead * scale, vy * ahead * scale];
-    const length = Math.hypot(wide, high);
-    if (length < ARROW_PX * ratio) return;
-    const head = Math.min(ARROW_PX * ratio, length / 2) / length;
-    const [left, top] = [x * scale + wide, y * scale + high];
-    context.beginPath();
-    context.moveTo(x * scale, y * scale);
-    context.lineTo(left, top);
-    for (const side of [-1, 1]) {
-      context.moveTo(left, top);
-      context.lineTo(left - head * (wide + side * high * 0.6), top - head * (high - side * wide * 0.6));
-    }
-    context.stroke();
-  }
-
-  #box({ x, y, angle = 0, halfWidth, halfHeight }, pen, dash) {
-    if (!angle) return void this.#frame({ x, y }, halfWidth, halfHeight, pen, dash);
-    const { context, scale } = this;
+  #turned({ x, y, angle }, drawn) {
+    if (!angle) return void drawn(x * this.scale, y * this.scale);
+    const { context } = this;
     context.save();
-    context.translate(x * scale, y * scale);
+    context.translate(x * this.scale, y * this.scale);
     context.rotate(angle);
-    this.#frame({ x: 0, y: 0 }, halfWidth, halfHeight, pen, dash);
+    drawn(0, 0);
     context.restore();
   }
 
+  /** Left, top, width and height of a box around (x, y), in canvas pixels. */
+  #rectangle({ halfWidth, halfHeight }, x, y) {
+    const [left, top] = [Math.round(x - halfWidth * this.scale), Math.round(y - halfHeight * this.scale)];
+    return [left, top, Math.round(x + halfWidth * this.scale) - left, Math.round(y + halfHeight * this.scale) - top];
+  }
+
   /** The outline of a rectangle. Drawn as rectangles: browsers are slow at dashed lines. */
-  #frame({ x, y }, halfWidth, halfHeight, pen, dash) {
-    const { scale } = this;
-    const [left, right] = [Math.round((x - halfWidth) * scale), Math.round((x + halfWidth) * scale)];
-    const [top, bottom] = [Math.round((y - halfHeight) * scale), Math.round((y + halfHeight) * scale)];
-    for (const edge of [top, bottom - pen]) this.#edge(left, right, dash, (at, length) => this.context.fillRect(at, edge, length, pen));
-    for (const edge of [left, right - pen]) this.#edge(top, bottom, dash, (at, length) => this.context.fillRect(edge, at, pen, length));
+  #frame([left, top, wide, high], pen, dash) {
+    const { context } = this;
+    for (const edge of [top, top + high - pen]) this.#edge(left, left + wide, dash, (at, length) => context.fillRect(at, edge, length, pen));
+    for (const edge of [left, left + wide - pen]) this.#edge(top, top + high, dash, (at, length) => context.fillRect(edge, at, pen, length));
   }
 
   #edge(from, to, [on, off = 0] = [], fill) {
@@ -202,51 +185,16 @@ export class Stage {
     for (let at = from; at < to; at += step) fill(at, Math.min(on * this.ratio, to - at));
   }
 
-  /** Above the box's left or right corner, or below it; inside, where there is no room above; else at a corner that is free. */
-  #writeIds(clusters, colour, corner) {
-    const { context, scale, ratio } = this;
-    const top = -context.getTransform().f;
-    for (const { id, x, y, halfWidth, halfHeight, strong } of clusters.toSorted((a, b) => b.strong - a.strong)) {
-      const above = (y - halfHeight) * scale - 2 * ratio;
-      const under = (y + halfHeight) * scale + ID_PX * ratio + 2 * ratio;
-      const over = above - ID_PX * ratio < top ? above + (ID_PX + 4) * ratio : above;
-      const [left, right] = [(x - halfWidth) * scale, (x + halfWidth) * scale];
-      const places = [[left, over, "left"], [right, over, "right"], [left, under, "left"], [right, under, "right"]];
-      const first = { left: 0, right: 1, below: 2 }[corner];
-      const order = [...places.slice(first), ...places.slice(0, first)];
-      const free = order.find(([at, bottom, align]) => this.#isFree(id, at, bottom, align)) ?? (strong ? order[0] : null);
-      if (!free) continue; // no room: the box stays, its id is shown when one zooms in
-      context.textAlign = free[2];
-      this.#write(id, free[0], free[1], colour);
-    }
-    context.textAlign = "left";
-  }
-
-  /** The rectangle that a text takes: left, top, right, bottom. */
-  #extent(text, at, bottom, align) {
-    const { context, ratio } = this;
-    context.font = `600 ${ID_PX * ratio}px ${this.font}`;
-    const wide = context.measureText(text).width;
-    const left = align === "right" ? at - wide : at;
-    return [left, bottom - ID_PX * ratio, left + wide, bottom];
-  }
-
-  #isFree(text, at, bottom, align) {
-    const [left, top, right, low] = this.#extent(text, at, bottom, align);
-    const edge = this.context.getTransform().e; // beyond the picture nobody could read it
-    if (left < -edge || right > this.canvas.width - edge) return false;
-    return !this.taken.some(([l, t, r, b]) => left < r && l < right && top < b && t < low);
-  }
-
   /** A merge as a diamond, a loss as a cross. */
-  #mark({ colour, marks = [] }) {
+  #mark({ colour, marks }) {
     const { context, scale, ratio } = this;
-    const size = 7 * ratio;
-    for (const { x, y, kind, text, fresh = 1 } of marks) {
-      context.globalAlpha = fresh;
+    const size = MARK_PX * ratio;
+    context.strokeStyle = colour;
+    context.lineWidth = 2 * ratio;
+    for (const { x, y, merge } of marks) {
       const [left, top] = [x * scale, y * scale];
       context.beginPath();
-      if (kind === "merge") {
+      if (merge) {
         context.moveTo(left - size, top);
         for (const [dx, dy] of [[0, -1], [1, 0], [0, 1], [-1, 0]]) context.lineTo(left + dx * size, top + dy * size);
       } else {
@@ -255,28 +203,56 @@ export class Stage {
           context.lineTo(left + size, top + side * size);
         }
       }
-      for (const [pen, ink] of [[5, this.ground], [2, colour]]) {
-        context.lineWidth = pen * ratio;
-        context.strokeStyle = ink;
-        context.stroke();
-      }
-      context.globalAlpha = 1;
-      if (text && this.#isFree(text, left + size + 3 * ratio, top + 5 * ratio, "left")) {
-        this.#write(text, left + size + 3 * ratio, top + 5 * ratio, colour);
-      }
+      context.stroke();
     }
   }
 
-  #write(text, left, bottom, colour) {
-    const { context, ratio } = this;
-    const extent = this.#extent(text, left, bottom, context.textAlign);
-    this.taken.push(extent);
-    context.textBaseline = "bottom";
-    context.fillStyle = this.ground;
-    context.globalAlpha = 0.7;
-    context.fillRect(extent[0], extent[1], extent[2] - extent[0], extent[3] - extent[1]);
-    context.globalAlpha = 1;
-    context.fillStyle = colour;
-    context.fillText(text, left, bottom + ratio);
+  /** Each number where it covers least, the strong one first. */
+  #drawTags(tags, view) {
+    const { context, ratio, theme } = this;
+    const high = TAG_PX * ratio;
+    context.font = `600 ${12 * ratio}px ${theme.font}`;
+    context.textBaseline = "middle";
+    const taken = tags.map(({ box }) => {
+      const [left, top, wide, tall] = this.#rectangle(box, box.x * this.scale, box.y * this.scale);
+      return { left, top, right: left + wide, bottom: top + tall, weight: 1 };
+    });
+    const inOrder = tags.map((tag, i) => ({ ...tag, around: taken[i] })).sort((a, b) => b.strong - a.strong);
+    for (const { parts, strong, around } of inOrder.slice(0, TAGS_MAX)) {
+      const widths = parts.map(([text]) => context.measureText(text).width + 8 * ratio);
+      const wide = widths.reduce((sum, one) => sum + one, 0);
+      const { left, top } = this.#freePlace(around, wide, high, taken, view);
+      taken.push({ left, top, right: left + wide, bottom: top + high, weight: 3 });
+      context.fillStyle = strong ? theme.accent : theme.raise;
+      context.strokeStyle = strong ? theme.accent : theme.quiet;
+      context.lineWidth = ratio;
+      context.beginPath();
+      context.roundRect(left, top, wide, high, 4 * ratio);
+      context.fill();
+      context.stroke();
+      let at = left + 4 * ratio;
+      parts.forEach(([text], i) => {
+        context.fillStyle = strong ? theme.onAccent : theme.ink;
+        context.fillText(text, at, top + high / 2 + ratio);
+        at += widths[i];
+      });
+    }
+  }
+
+  #freePlace({ left, top, right, bottom }, wide, high, taken, view) {
+    const gap = 3 * this.ratio;
+    const places = [[left, top - high - gap], [left, bottom + gap], [right - wide, top - high - gap], [right - wide, bottom + gap], [right + gap, top], [left - wide - gap, top]];
+    let best = { cost: Infinity };
+    places.forEach(([wishedLeft, wishedTop], rank) => {
+      const x = Math.max(view.left + 2, Math.min(wishedLeft, view.right - wide - 2));
+      const y = Math.max(view.top + 2, Math.min(wishedTop, view.bottom - high - 2));
+      let cost = 2 * rank + 6 * Math.hypot(x - wishedLeft, y - wishedTop);
+      for (const one of taken) {
+        const [across, down] = [Math.min(x + wide, one.right) - Math.max(x, one.left), Math.min(y + high, one.bottom) - Math.max(y, one.top)];
+        if (across > 0 && down > 0) cost += (across * down * one.weight) / 8;
+      }
+      if (cost < best.cost) best = { cost, left: x, top: y };
+    });
+    return best;
   }
 }

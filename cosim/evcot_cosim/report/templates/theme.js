@@ -1,69 +1,73 @@
 // SPDX-License-Identifier: Apache-2.0
-// Canvas colours from the style sheet, and the switch between dark and light theme.
+// Canvas colours from the style sheet, and the switch between dark and light colours.
 
-// Engines differ in dash pattern too, not in colour alone.
+// Sides differ in dash pattern too, not in colour alone.
 const LINES = {
-  hardware: { dash: [], width: 1.8, corner: "left" },
-  software: { dash: [6, 4], width: 1.5, corner: "right" },
-  model: { dash: [6, 4], width: 1.5, corner: "right" },
-  other1: { dash: [3, 3], width: 1.5, corner: "left" },
-  other2: { dash: [9, 3], width: 1.5, corner: "right" },
-  other3: { dash: [2, 2, 6, 2], width: 1.5, corner: "below" },
-  other4: { dash: [1, 2], width: 1.8, corner: "left" },
-  truth: { dash: [2, 3], width: 1.5, corner: "below" },
+  hardware: { dash: [], width: 1.75 }, software: { dash: [6, 3], width: 1.75 }, model: { dash: [6, 3], width: 1.75 },
+  other1: { dash: [3, 3], width: 1.75 }, other2: { dash: [9, 3], width: 1.75 }, other3: { dash: [2, 2, 6, 2], width: 1.75 },
+  other4: { dash: [1, 2], width: 1.75 }, truth: { dash: [2, 2.5], width: 1.75 },
 };
-const WORDS = { auto: "as the system", light: "light", dark: "dark" };
+const PLAIN = ["ink", "quiet", "line", "page", "panel", "raise", "accent", "on-accent", "tint", "poor", "edge"];
+const OBJECTS = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#bbbbbb", "#997700", "#009988"];
 const NEXT = { auto: "light", light: "dark", dark: "auto" };
+const STORED = "evcot-theme";
 
-function rgb(text) {
-  return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
+/** The colour of an object, by its number. */
+export function objectColour(number) {
+  return OBJECTS[(number - 1) % OBJECTS.length];
 }
 
-/** The current colours of the style sheet; those of sides by name. */
+/** The current colours of the style sheet; those of sides by name under `sides`, of the picture under `stage`. */
 export function readTheme() {
-  const style = getComputedStyle(document.documentElement);
-  const of = (name) => style.getPropertyValue(`--${name}`).trim();
-  const sides = Object.fromEntries(Object.entries(LINES).map(([name, line]) => {
-    return [name, { ...line, colour: of(name), text: of(`${name}-text`) }];
-  }));
-  return {
-    sides, ink: of("ink"), panel: of("panel"), quiet: of("quiet"), line: of("line"), font: of("font"),
-    stage: { ground: rgb(of("ground")), off: rgb(of("off")), on: rgb(of("on")), edge: of("edge"), font: of("font") },
+  const probe = document.body.appendChild(document.createElement("i"));
+  const of = (name) => {
+    probe.style.color = `var(--${name})`;
+    return getComputedStyle(probe).color;
   };
+  const rgb = (name) => of(name).match(/[\d.]+/g).slice(0, 3).map(Number);
+  const theme = Object.fromEntries(PLAIN.map((name) => [name.replace("-a", "A"), of(name)]));
+  theme.font = getComputedStyle(document.body).fontFamily;
+  theme.sides = Object.fromEntries(Object.entries(LINES).map(([name, line]) => [name, { ...line, colour: of(name) }]));
+  theme.stage = { ground: rgb("ground"), off: rgb("off"), on: rgb("on") };
+  probe.remove();
+  return theme;
+}
+
+/** A value that the browser keeps for this kind of page; some browsers refuse to. */
+export function kept(key, value) {
+  try {
+    if (value !== undefined) localStorage.setItem(key, value);
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
 }
 
 /** Calls `changed` whenever colours change: by the button, the system, or for printing. */
 export function watchTheme(button, changed) {
   const root = document.documentElement;
-  const name = () => root.dataset.theme ?? "auto";
-  const label = () => {
-    button.textContent = `Colours: ${WORDS[name()]}`;
-    button.setAttribute("aria-label", `Colours: ${WORDS[name()]}. Change to ${WORDS[NEXT[name()]]}.`);
+  const apply = (name) => {
+    if (name === "auto") delete root.dataset.theme;
+    else root.dataset.theme = name;
+    button.title = `Colours: ${name === "auto" ? "as the system" : name} (T)`;
+    button.setAttribute("aria-label", button.title);
   };
+  apply(kept(STORED) in NEXT ? kept(STORED) : "auto");
   button.addEventListener("click", () => {
-    const next = NEXT[name()];
-    if (next === "auto") delete root.dataset.theme;
-    else root.dataset.theme = next;
-    label();
+    const next = NEXT[root.dataset.theme ?? "auto"];
+    kept(STORED, next);
+    apply(next);
     changed();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
-  label();
-  watchPrinter(root, changed);
-}
-
-/** Printing uses the light theme: canvases must be redrawn first. */
-function watchPrinter(root, changed) {
   let before;
-  addEventListener("beforeprint", () => {
-    before = root.dataset.theme;
-    root.dataset.theme = "light";
+  addEventListener("beforeprint", () => { // printing is light: canvases must be drawn again first
+    before = root.dataset.theme ?? "auto";
+    apply("light");
     changed();
   });
   addEventListener("afterprint", () => {
-    if (before === undefined) delete root.dataset.theme;
-    else root.dataset.theme = before;
+    apply(before);
     changed();
   });
-  matchMedia("print").addEventListener("change", changed);
 }

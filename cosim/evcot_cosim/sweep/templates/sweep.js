@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of a sweep: unpacks the columns, draws the plots, and keeps them in the colours of the theme.
-import { unpack } from "./unpack.js";
+import { unpack } from "./columns.js";
 import { readTheme, watchTheme } from "./theme.js";
 import { Lines } from "./lines.js";
 import { parallel } from "./parallel.js";

@@ -55,13 +55,6 @@ module array_match #(
     input  wire              w_active,
 
     output reg  [N-1:0]      active     // visible
-`ifdef FORMAL
-    ,
-    input  wire [X_W-1:0]    f_x,       // an event's pixel, as bounds are
-    input  wire [Y_W-1:0]    f_y,
-    output wire [N*N-1:0]    f_shared,  // two active windows share a pixel
-    output wire [N-1:0]      f_holds    // a window, or what is left of one, holds the pixel
-`endif
 );
 
     (* mem2reg *) reg [X_W-1:0] lo_x_not [0:N-1];
@@ -225,10 +218,6 @@ module array_match #(
             any_free_reg <= 1'b0;
         end
     end
-
-`ifdef FORMAL
-`include "array_match_rules.vh"
-`endif
 
 endmodule
 

@@ -206,11 +206,6 @@ module cot_array #(
     reg [SEQ_W-1:0]   seq;         // number of its event, or of the next one where a life ends
     reg [SEQ_W-1:0]   next_seq;
 
-`ifdef FORMAL
-    wire [N*N-1:0] f_shared;
-    wire [N-1:0]   f_holds;
-`endif
-
     // ---- M to D: whose is it? ----------------------------------------------------------------------------------------
 
     wire              m_due, e_other, d_active, d_other, d_free;
@@ -256,13 +251,6 @@ module cot_array #(
         .w_window (w_window),
         .w_active (w_active),
         .active   (active)
-`ifdef FORMAL
-        ,
-        .f_x      ({1'b1, {(AT_X - X_W - 1) {1'b0}}, u_x}),
-        .f_y      ({1'b1, {(AT_Y - Y_W - 1) {1'b0}}, u_y}),
-        .f_shared (f_shared),
-        .f_holds  (f_holds)
-`endif
     );
 
     // Where the slots are far, registers that synthesis keeps apart. Where they are few, those that differ in their reset, and
@@ -799,10 +787,6 @@ module cot_array #(
             idle    <= 1'b0;
         end
     end
-
-`ifdef FORMAL
-`include "cot_array_rules.vh"
-`endif
 
 endmodule
 

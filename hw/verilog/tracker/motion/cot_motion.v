@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // N cluster trackers with boxes and velocities, which meet without merging: the array with the rules of docs/motion.md.
 //
-// Tokens and streams are those of cot_array.v, but for the record. Events are decided in a pipeline, motion_events.v, one a clock. Beside it
-// corrections are computed and candidates placed, motion_work.v, one at a time; from a certain event on, motion_waiting.v, they are in
-// force. Events wait for one only if it is not ready by then. A motion step of a slot is done while no event is under way.
+// Tokens and streams are those of cot_array.v, but for the record. Events are decided in a pipeline, motion_events.v, one a clock. They and
+// the motion steps of slots cause jobs, motion_jobs.v, which are computed beside it, motion_work.v, one after the other. What has been
+// computed takes effect later: tokens wait only for a job that is not done by then.
 //
 // Registers: `mode` of each slot, off or seeded, and those of motion_regs.v. A write of `mode` restarts the slot before the next
-// token; after a change of `step_log2` a period begins at the next multiple of the new length. Others are to be written while the array is idle.
+// token; after a change of `step_log2` a period begins at the next multiple of the new length. Others are to be written while the array
+// is idle.
 //
 // Latency:    unstalled, from the clock edge that takes the event: 15 clocks to the owned or passed event; about 50 to its record.
-// Throughput: an event a clock, two more for a correction and 20 for a candidate; where corrections come faster, one in 40 clocks. A
-//             motion step of a free slot takes 5 clocks; see motion_step.v.
+// Throughput: an event a clock; 5 clocks more where a slot takes effect, and 13 for a motion step, before which the pipeline runs empty.
+//             Jobs: see motion_correct.v and motion_step.v.
 // Stall:      every output is held until accepted.
-// Reset:      turns all slots off, and gives the registers their defaults.
+// Reset:      turns all slots off, and gives the registers their defaults; then memories are cleared, for 2^(W + 1) clocks of the larger
+//             address width W, in which no token is accepted.
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -105,6 +107,10 @@ module cot_motion #(
     localparam PX_W  = SIDE_W - 12;  // bits of a bound in pixels
     localparam REL_W = RADIX_W + 2;
 
+    // A step is at most 2^20 ticks after the token before, a token at most 2^TICK_W - 1: more bits do not count between them.
+    localparam AHEAD_W = (TICK_W > 20 ? TICK_W : 20) + 2;
+    localparam DUE_W   = AHEAD_W < TIME_W ? AHEAD_W : TIME_W;
+
     // ---- registers -------------------------------------------------------------------------------------------------
 
     wire [`MOTION_REGS_W-1:0] regs;
@@ -120,22 +126,28 @@ module cot_motion #(
 
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
-    wire [TIME_W-1:0] now, next_step, paused;
+    wire [TIME_W-1:0] now, next_step;
     wire              holds;
-    wire              q_valid, q_due, q_runs, q_event, q_skip, q_p, q_empty;
+    wire              q_valid, q_due, q_runs, q_late, q_far, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
     wire [Y_W-1:0]    q_y;
     wire              takes_token;
+    wire [DUE_W-1:0]  due_tick;
+    wire              masks_ready;
+    wire [X_W-1:0]    next_x;
+    wire [Y_W-1:0]    next_y;
 
     motion_queue #(
         .X_W   (X_W),
         .Y_W   (Y_W),
         .TICK_W(TICK_W),
-        .TIME_W(TIME_W)
+        .TIME_W(TIME_W),
+        .DUE_W (DUE_W)
     ) u_queue (
         .clk      (clk),
         .rst      (rst),
+        .opens    (masks_ready),
         .s_valid  (s_valid),
         .s_ready  (s_ready),
         .s_tick   (s_tick),
@@ -146,61 +158,47 @@ module cot_motion #(
         .s_p      (s_p),
         .next_step(next_step),
         .holds    (holds),
+        .due_tick (due_tick),
+        .now      (now),
         .m_valid  (q_valid),
         .m_ready  (takes_token),
         .m_due    (q_due),
         .m_runs   (q_runs),
+        .m_late   (q_late),
+        .m_far    (q_far),
         .m_time   (q_time),
         .m_event  (q_event),
         .m_skip   (q_skip),
         .m_x      (q_x),
         .m_y      (q_y),
         .m_p      (q_p),
+        .next_x   (next_x),
+        .next_y   (next_y),
         .empty    (q_empty)
     );
 
-    wire                d_valid, d_event, d_owned, d_corrects, d_seeds, d_p;
-    wire [SLOT_W-1:0]   d_slot;
-    wire [REL_W-1:0]    d_rel_x, d_rel_y;
-    wire [X_W-1:0]      d_x;
-    wire [Y_W-1:0]      d_y;
-    wire [SUP_W-1:0]    d_support;
-    wire [TIME_W-1:0]   d_time;
-    wire [SEQ_W-1:0]    d_seq, seq;
-    wire                read_done, store_done;
-    wire [4*SIDE_W-1:0] o_sides, r_sides;
-    wire [3:0]          o_marks, o_hidden, r_marks;
-    wire [SUP_W-1:0]    o_support, r_support;
-    wire [9:0]          o_log2, o_n_ev;
-    wire [4*PX_W-1:0]   o_box, o_window, ask_for;
-    wire                ask, begins;
-    wire [N-1:0]        in_box, in_window, in_line, visible, candidate, left;
-    wire [SLOT_W-1:0]   begins_slot, bin_slot;
-    wire                bin_count, bin_clear, in_bin_x, in_bin_y;
-    wire [3:0]          bin_cleared, bin_x, bin_y;
-
     // ---- what comes next ---------------------------------------------------------------------------------------------
 
-    wire             room, output_empty, quiet;
-    wire             active, rests, waits_none, reached, put_valid, put_seed, put_done, steps, ends_life;
-    wire             job_valid, job_done, job_seed;
-    wire [7:0]       issued, following;
-    wire             issues, op_ready, takes_op, takes_put;
-    wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, work_slot;
-    wire [X_W-1:0]   job_x;
-    wire [Y_W-1:0]   job_y;
-    wire [SUP_W-1:0] job_support;
-    wire [TIME_W-1:0] job_time;
-    wire [SEQ_W-1:0] job_seq;
-    wire             op_valid, op_beside, op_read, op_store, op_full, op_put, op_clear;
-    wire [SLOT_W-1:0] op_slot;
-    wire [3:0]       op_bin;
-    wire [N-1:0]     seeded;
+    wire              room, output_empty, quiet, active;
+    wire              d_valid, d_event, d_owned, d_p;
+    wire [SLOT_W-1:0] d_slot;
+    wire [REL_W-1:0]  d_rel_x, d_rel_y;
+    wire [X_W-1:0]    d_x;
+    wire [Y_W-1:0]    d_y;
+    wire [TIME_W-1:0] d_time, work_time;
+    wire [SEQ_W-1:0]  d_seq;
+    wire [N-1:0]      seeded, alive, corrects, e_ended, due_ended;
+    wire              works, op_step, op_effect, op_clear, effect_done, effects, e_own;
+    wire              step_real, step_pauses, step_ends, ready, j_valid;
+    wire              due_valid, due_any, due_own, job_room, collides;
+    wire [SLOT_W-1:0] e_slot, work_slot, due_slot;
+    wire [7:0]        due_event;
 
     motion_turn #(
         .N     (N),
         .SLOT_W(SLOT_W),
-        .TIME_W(TIME_W)
+        .TIME_W(TIME_W),
+        .DUE_W (DUE_W)
     ) u_turn (
         .clk        (clk),
         .rst        (rst),
@@ -212,48 +210,53 @@ module cot_motion #(
         .seeded     (seeded),
         .q_due      (q_due),
         .q_runs     (q_runs),
+        .q_late     (q_late),
+        .q_far      (q_far),
         .q_event    (q_event),
         .q_counts   (q_event || q_skip),
-        .room       (room),
+        .room       (room && job_room && !collides),
         .takes_token(takes_token),
         .holds      (holds),
-        .issues     (issues),
-        .issued     (issued),
-        .following  (following),
         .d_valid    (d_valid),
         .d_time     (d_time),
         .now        (now),
         .next_step  (next_step),
-        .paused     (paused),
-        .op_valid   (op_valid),
-        .op_beside  (op_beside),
-        .op_writes  (op_store || op_put),
-        .op_ready   (op_ready),
-        .takes_op   (takes_op),
-        .reached    (reached),
-        .put_valid  (put_valid),
-        .put_slot   (put_slot),
-        .takes_put  (takes_put),
-        .put_done   (put_done),
-        .puts_slot  (puts_slot),
-        .active     (active),
-        .waits_none (waits_none),
-        .rests      (rests),
-        .steps      (steps),
-        .ends_life  (ends_life),
+        .op_clear   (op_clear),
+        .active     (active || j_valid),
+        .op_step    (op_step),
+        .op_effect  (op_effect),
+        .effect_done(effect_done),
+        .effects    (effects),
+        .e_slot     (e_slot),
+        .e_own      (e_own),
+        .e_ended    (e_ended),
+        .alive      (alive),
+        .corrects   (corrects),
         .work_slot  (work_slot),
+        .work_time  (work_time),
+        .works      (works),
+        .job_real   (step_real),
+        .job_pauses (step_pauses),
+        .job_ends   (step_ends),
+        .due_valid  (due_valid),
+        .due_any    (due_any),
+        .due_slot   (due_slot),
+        .due_event  (due_event),
+        .due_tick   (due_tick),
+        .ready      (ready),
+        .due_own    (due_own),
+        .due_ended  (due_ended),
         .quiet      (quiet)
     );
 
     reg calm, still;  // nothing is under way but what comes, or has come in the clock before
     reg comes;
     reg none;   // what `idle` says, a clock earlier but for what comes
-    reg waits;  // a slot has begun to wait for work
+    wire jobs_idle;
 
     always @(posedge clk) begin
-        waits <= d_corrects || d_seeds;
         calm  <= quiet && q_empty;
-        still <= !active && rests && !waits && !job_valid && !op_valid && output_empty && !m_cm_valid;
+        still <= !active && !j_valid && jobs_idle && output_empty && !m_cm_valid;
         comes <= s_valid || cfg_valid;
         none  <= calm && still && !comes && !s_valid && !cfg_valid;
         idle  <= none && !s_valid && !cfg_valid;
@@ -262,12 +265,21 @@ module cot_motion #(
 
     // ---- events --------------------------------------------------------------------------------------------------------
 
-    // Free slots; of these, without a track that may return.
-    reg [N-1:0] empty, fresh;
-    always @(posedge clk) begin
-        empty <= seeded & ~(visible | candidate);
-        fresh <= seeded & ~(visible | candidate | left);
-    end
+    wire [1:0]          j_kind;
+    wire [4*SIDE_W-1:0] j_sides;
+    wire [3:0]          j_marks;
+    wire [SUP_W-1:0]    j_owned;
+    wire [1:0]          e_state;
+    wire [4*SIDE_W-1:0] e_moves;
+    wire [3:0]          e_marks, e_hidden;
+    wire [2*REL_W-1:0]  e_middle;
+    wire                mask, mask_busy;
+    wire [SLOT_W-1:0]   job_slot;
+    wire [4*PX_W-1:0]   box, window;
+    wire [9:0]          e_n_ev, bin_log2;
+    wire [SLOT_W-1:0]   at, bin_slot;  // the slot that is worked on
+    wire                bin_count, bin_clear, in_bin_x, in_bin_y;
+    wire [3:0]          op_bin, bin_cleared, bin_x, bin_y;
 
     motion_events #(
         .N      (N),
@@ -283,64 +295,58 @@ module cot_motion #(
     ) u_events (
         .clk        (clk),
         .rst        (rst),
+        .ready      (masks_ready),
         .s_valid    (takes_token),
         .s_event    (q_event),
         .s_skip     (q_skip),
         .s_x        (q_x),
         .s_y        (q_y),
         .s_p        (q_p),
-        .s_time     (q_time),
-        .op_read    (takes_op && op_read),
-        .op_store   (takes_op && op_store),
-        .op_full    (takes_op && op_full),
-        .op_put     (takes_put || (takes_op && op_put)),
-        .op_left    (takes_put),
-        .op_seed    (takes_put && put_seed),
-        .op_clear   (takes_op && op_clear),
-        .op_slot    (op_valid ? op_slot : put_slot),
+        .s_time     (works ? work_time : q_time),
+        .next_x     (next_x),
+        .next_y     (next_y),
+        .collides   (collides),
+        .mask       (mask),
+        .mask_slot  (job_slot),
+        .mask_box   (box),
+        .mask_window(window),
+        .mask_busy  (mask_busy),
+        .op_step    (op_step),
+        .op_effect  (op_effect),
+        .op_clear   (op_clear),
+        .op_slot    (op_clear ? at : op_effect ? due_slot : work_slot),
         .op_bin     (op_bin),
-        .read_done  (read_done),
-        .store_done (store_done),
-        .put_done   (put_done),
+        .effect_done(effect_done),
         .active     (active),
-        .o_sides    (o_sides),
-        .o_marks    (o_marks),
-        .o_hidden   (o_hidden),
-        .o_support  (o_support),
-        .o_log2     (o_log2),
-        .o_box      (o_box),
-        .o_window   (o_window),
-        .o_n_ev     (o_n_ev),
-        .r_sides    (r_sides),
-        .r_marks    (r_marks),
-        .r_support  (r_support),
-        .ask        (ask),
-        .ask_for    (ask_for),
-        .in_box     (in_box),
-        .in_window  (in_window),
-        .in_line    (in_line),
+        .e_own      (e_own),
+        .e_ended    (e_ended),
+        .e_state    (e_state),
+        .e_moves    (e_moves),
+        .e_marks    (e_marks),
+        .e_hidden   (e_hidden),
+        .e_middle   (e_middle),
+        .e_n_ev     (e_n_ev),
+        .bin_log2   (bin_log2),
         .regs       (regs),
-        .visible    (visible),
-        .candidate  (candidate),
-        .fresh      (fresh),
-        .empty      (empty),
-        .begins     (begins),
-        .begins_slot(begins_slot),
+        .seeded     (seeded),
+        .corrects   (corrects),
+        .alive      (alive),
         .d_valid    (d_valid),
         .d_event    (d_event),
         .d_owned    (d_owned),
-        .d_corrects (d_corrects),
-        .d_seeds    (d_seeds),
         .d_slot     (d_slot),
         .d_rel_x    (d_rel_x),
         .d_rel_y    (d_rel_y),
         .d_x        (d_x),
         .d_y        (d_y),
         .d_p        (d_p),
-        .d_support  (d_support),
         .d_time     (d_time),
         .d_seq      (d_seq),
-        .seq        (seq),
+        .j_valid    (j_valid),
+        .j_kind     (j_kind),
+        .j_sides    (j_sides),
+        .j_marks    (j_marks),
+        .j_owned    (j_owned),
         .bin_count  (bin_count),
         .bin_clear  (bin_clear),
         .bin_slot   (bin_slot),
@@ -351,47 +357,76 @@ module cot_motion #(
         .bin_y      (bin_y)
     );
 
-    motion_waiting #(
+    // ---- jobs ----------------------------------------------------------------------------------------------------------
+
+    wire                job_valid, job_done, job_real, job_pauses, job_waits, finish, ends;
+    wire [1:0]          job_kind;
+    wire [X_W-1:0]      job_x;
+    wire [Y_W-1:0]      job_y;
+    wire [4*SIDE_W-1:0] job_sides;
+    wire [3:0]          job_marks;
+    wire [SUP_W-1:0]    job_owned, support;
+    wire [SEQ_W-1:0]    job_seq;
+    wire [TIME_W-1:0]   job_time;
+
+    motion_jobs #(
+        .N     (N),
         .SLOT_W(SLOT_W),
         .X_W   (X_W),
         .Y_W   (Y_W),
+        .SIDE_W(SIDE_W),
         .SUP_W (SUP_W),
         .SEQ_W (SEQ_W),
-        .TIME_W(TIME_W)
-    ) u_waiting (
-        .clk        (clk),
-        .rst        (rst),
-        .s_valid    (d_corrects || d_seeds),
-        .s_seed     (d_seeds),
-        .s_slot     (d_slot),
-        .s_x        (d_x),
-        .s_y        (d_y),
-        .s_support  (d_support),
-        .s_time     (d_time),
-        .s_seq      (d_seq),
-        .job_valid  (job_valid),
-        .job_done   (job_done),
-        .job_seed   (job_seed),
-        .job_slot   (job_slot),
-        .job_x      (job_x),
-        .job_y      (job_y),
-        .job_support(job_support),
-        .job_time   (job_time),
-        .job_seq    (job_seq),
-        .issued     (issued),
-        .following  (following),
-        .issues     (issues),
-        .reached    (reached),
-        .put_valid  (put_valid),
-        .put_seed   (put_seed),
-        .put_slot   (put_slot),
-        .put_done   (takes_put),
-        .empty      (waits_none)
+        .TIME_W(TIME_W),
+        .DUE_W (DUE_W)
+    ) u_jobs (
+        .clk       (clk),
+        .rst       (rst),
+        .j_valid   (j_valid),
+        .j_real    (!j_kind[1] || step_real),
+        .j_pauses  (j_kind[1] && step_pauses),
+        .j_kind    (j_kind | {1'b0, j_kind[1] && step_ends}),
+        .j_slot    (d_slot),
+        .j_x       (d_x),
+        .j_y       (d_y),
+        .j_sides   (j_sides),
+        .j_marks   (j_marks),
+        .j_owned   (j_owned),
+        .j_seq     (d_seq),
+        .j_time    (d_time),
+        .room      (job_room),
+        .job_valid (job_valid),
+        .job_done  (job_done),
+        .job_real  (job_real),
+        .job_pauses(job_pauses),
+        .job_kind  (job_kind),
+        .job_slot  (job_slot),
+        .job_waits (job_waits),
+        .job_x     (job_x),
+        .job_y     (job_y),
+        .job_sides (job_sides),
+        .job_marks (job_marks),
+        .job_owned (job_owned),
+        .job_seq   (job_seq),
+        .job_time  (job_time),
+        .finish    (finish),
+        .ends      (ends),
+        .ends_slot (at),
+        .mask      (mask),
+        .mask_busy (mask_busy),
+        .idle      (jobs_idle),
+        .due_valid (due_valid),
+        .due_any   (due_any),
+        .due_slot  (due_slot),
+        .due_event (due_event),
+        .due_tick  (due_tick),
+        .ready     (ready),
+        .due_own   (due_own),
+        .due_ended (due_ended),
+        .due_taken (op_effect)
     );
 
     // ---- gaps --------------------------------------------------------------------------------------------------------
-
-    wire [SLOT_W-1:0] at;  // the slot that is worked on
 
     wire            look, look_y, look_done, gap_found, low_stays;
     wire [4:0]      look_log2;
@@ -434,8 +469,6 @@ module cot_motion #(
     wire [SIDE_W-1:0]   side_x, side_y;
     wire [15:0]         v_x, v_y;
     wire [9:0]          n_ev;
-    wire [SEQ_W-1:0]    op_seq;
-    wire [TIME_W-1:0]   op_time;
 
     motion_work #(
         .N     (N),
@@ -444,64 +477,42 @@ module cot_motion #(
         .Y_W   (Y_W),
         .SIDE_W(SIDE_W),
         .PX_W  (PX_W),
+        .REL_W (REL_W),
         .SUP_W (SUP_W),
         .ID_W  (ID_W),
-        .SEQ_W (SEQ_W),
         .TIME_W(TIME_W)
     ) u_work (
         .clk            (clk),
         .rst            (rst),
         .job_valid      (job_valid),
         .job_done       (job_done),
-        .job_seed       (job_seed),
+        .job_real       (job_real),
+        .job_pauses     (job_pauses),
+        .job_kind       (job_kind),
         .job_slot       (job_slot),
+        .job_waits      (job_waits),
         .job_x          (job_x),
         .job_y          (job_y),
-        .job_support    (job_support),
+        .job_sides      (job_sides),
+        .job_marks      (job_marks),
+        .job_owned      (job_owned),
         .job_time       (job_time),
-        .job_seq        (job_seq),
-        .do_step        (steps),
-        .do_end         (ends_life),
-        .work_slot      (work_slot),
-        .now            (steps ? next_step : now),
-        .paused         (paused),
-        .seq            (seq),
-        .rests          (rests),
-        .puts           (!holds),
-        .put_slot       (puts_slot),
-        .visible        (visible),
-        .candidate      (candidate),
-        .left           (left),
-        .begins         (begins),
-        .begins_slot    (begins_slot),
-        .op_valid       (op_valid),
-        .op_beside      (op_beside),
-        .op_ready       (op_ready),
-        .op_read        (op_read),
-        .op_store       (op_store),
-        .op_full        (op_full),
-        .op_put         (op_put),
+        .finish         (finish),
+        .ends           (ends),
+        .mask           (mask),
+        .box            (box),
+        .window         (window),
+        .mask_busy      (mask_busy),
+        .e_slot         (effects ? e_slot : due_slot),
+        .e_state        (e_state),
+        .e_moves        (e_moves),
+        .e_marks        (e_marks),
+        .e_hidden       (e_hidden),
+        .e_middle       (e_middle),
+        .e_n_ev         (e_n_ev),
         .op_clear       (op_clear),
-        .op_slot        (op_slot),
         .op_bin         (op_bin),
-        .read_done      (read_done),
-        .store_done     (store_done),
-        .o_sides        (o_sides),
-        .o_marks        (o_marks),
-        .o_hidden       (o_hidden),
-        .o_support      (o_support),
-        .o_log2         (o_log2),
-        .o_box          (o_box),
-        .o_window       (o_window),
-        .o_n_ev         (o_n_ev),
-        .r_sides        (r_sides),
-        .r_marks        (r_marks),
-        .r_support      (r_support),
-        .ask            (ask),
-        .ask_for        (ask_for),
-        .in_box         (in_box),
-        .in_window      (in_window),
-        .in_line        (in_line),
+        .bin_log2       (bin_log2),
         .look           (look),
         .look_y         (look_y),
         .look_log2      (look_log2),
@@ -524,8 +535,7 @@ module cot_motion #(
         .v_x            (v_x),
         .v_y            (v_y),
         .n_ev           (n_ev),
-        .op_seq         (op_seq),
-        .op_time        (op_time),
+        .support        (support),
         .regs           (regs)
     );
 
@@ -552,9 +562,9 @@ module cot_motion #(
         .v_x         (v_x),
         .v_y         (v_y),
         .n_ev        (n_ev),
-        .support     (o_support),
-        .seq         (op_seq),
-        .now         (op_time),
+        .support     (support),
+        .seq         (job_seq),
+        .now         (job_time),
         .m_cm_valid  (m_cm_valid),
         .m_cm_ready  (m_cm_ready),
         .m_cm_kind   (m_cm_kind),

@@ -6,7 +6,9 @@
 // fourth finds the bin and writes the sides back. If one of the two events behind is of the same slot, they are forwarded to it.
 // Whether an event is beyond a side is known last, so both places that the side may go to are kept, and chosen from in the next clock.
 //
-// Latency:    from the slot's number: 2 clocks to rel, lo, hi and marks, 5 to the bin.
+// In place of an event, what takes effect moves the sides by s_move_*, or nothing does, and the sides are only read.
+//
+// Latency:    from the slot's number: 2 clocks to rel, 3 to m_lo, m_hi and m_marks, 4 to the bin.
 // Throughput: an event per clock.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
@@ -32,20 +34,28 @@ module motion_axis #(
     input  wire                     forward,    // the slot is that of the third stage
     input  wire                     recent,     // or that of the fourth, which writes
     input  wire [SLOT_W-1:0]        slot_2,
+    input  wire                     moves,      // no event: both sides move by s_move_*,
+    input  wire                     rests,      // or stay
+    input  wire                     fresh,      // both sides are 0, without marks: a new candidate's, which are not in effect
 
     // third stage
-    input  wire                     update,     // the event moves the sides
-    input  wire                     store,      // they are written with s_*, which stay for another clock
-    input  wire                     put,        // the middle of the box is
-    input  wire                     set_bins,   // the bins' size is
+    input  wire                     update,     // the sides move
+    input  wire                     effect,     // something takes effect: marks are added, the middle of the box is replaced
+    input  wire                     clear,      // behind the event, no side is marked
+    input  wire                     set_bins,   // the bins' size is replaced
+    input  wire                     begins,     // a candidate does: the sides are 0 in the fourth stage
     input  wire [SLOT_W-1:0]        slot_3,
     output reg  [REL_W-1:0]         rel,        // place from that middle, half pixels
-    output wire signed [SIDE_W-1:0] lo,         // as they are before the event
-    output wire signed [SIDE_W-1:0] hi,
-    output wire [1:0]               marks,      // hi, lo: an event was beyond it since the last correction
 
-    input  wire signed [SIDE_W-1:0] s_lo,
-    input  wire signed [SIDE_W-1:0] s_hi,
+    // fourth stage: the slot as it is behind the event
+    output wire [SIDE_W-1:0]        m_lo,
+    output wire [SIDE_W-1:0]        m_hi,
+    output wire [1:0]               m_marks,    // hi, lo: an event was beyond it since the last correction
+
+    // what takes effect, all the time that it is in a stage; hidden sides are replaced in the first one
+    input  wire                     hide_now,
+    input  wire signed [SIDE_W-1:0] s_move_lo,
+    input  wire signed [SIDE_W-1:0] s_move_hi,
     input  wire [1:0]               s_marks,
     input  wire [1:0]               s_hidden,
     input  wire [REL_W-1:0]         s_middle,   // half pixels
@@ -67,7 +77,7 @@ module motion_axis #(
     reg [AT_W-1:0] at;
     reg [4:0]      log2_3, log2_4;
     reg [SLOT_W-1:0] slot_4;
-    reg            update_4, store_4;
+    reg            update_4, clear_4, begins_4;
     reg signed [SIDE_W-1:0] lo_far_4, hi_far_4;    // where the last event that moved sides took them, if it was beyond,
     reg signed [SIDE_W-1:0] lo_near_4, hi_near_4;  // and if not
     reg            lo_goes_4, hi_goes_4;           // which of the two
@@ -78,10 +88,16 @@ module motion_axis #(
     reg signed [SIDE_W-1:0] lo_else, hi_else;      // if not, the sides of that slot, else 0
     reg [1:0]      marks_then;
     reg            hide_lo, hide_hi, hide_both;
-    reg [17:0]     far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
+    reg [SIDE_W-1:0] far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
+    reg            less_far_lo, less_near_lo, less_far_hi, less_near_hi;  // they are
     reg [PX_W:0]   from;
 
     wire [PX_W+REL_W-1:0] wide_place = {{(PX_W + REL_W - AT_W - 1) {1'b0}}, place, 1'b0};  // its lower part is what counts
+
+    // As they are before the event.
+    wire [SIDE_W-1:0] lo        = lo_goes ? lo_far_4 : lo_same | lo_else;
+    wire [SIDE_W-1:0] hi        = hi_goes ? hi_far_4 : hi_same | hi_else;
+    wire [1:0]        marks     = marks_then | beyond;
 
     // The sign of a difference is a comparison. A hidden side goes where the other one goes; where both are hidden, none does.
     wire [SIDE_W-1:0] here     = {{(SIDE_W - AT_W - 12) {1'b0}}, at, 12'd0};
@@ -89,21 +105,29 @@ module motion_axis #(
     wire [PX_W:0]     under_hi = {hi[SIDE_W-1], hi[SIDE_W-1:12]} - {{(PX_W + 1 - AT_W) {1'b0}}, at};  // pixels decide
     wire              below    = over_lo[SIDE_W];
     wire              above    = under_hi[PX_W];
-    wire [SIDE_W:0]   lo_far   = {lo, 1'b1} + {{(SIDE_W - 18) {far_lo[17]}}, far_lo, far_lo[17]};
-    wire [SIDE_W:0]   lo_near  = {lo, 1'b1} + {{(SIDE_W - 18) {near_lo[17]}}, near_lo, near_lo[17]};
-    wire [SIDE_W:0]   hi_far   = {hi, 1'b1} + {{(SIDE_W - 18) {far_hi[17]}}, far_hi, far_hi[17]};
-    wire [SIDE_W:0]   hi_near  = {hi, 1'b1} + {{(SIDE_W - 18) {near_hi[17]}}, near_hi, near_hi[17]};
+    wire [SIDE_W:0]   lo_far   = {lo, 1'b1} + {far_lo, less_far_lo};
+    wire [SIDE_W:0]   lo_near  = {lo, 1'b1} + {near_lo, less_near_lo};
+    wire [SIDE_W:0]   hi_far   = {hi, 1'b1} + {far_hi, less_far_hi};
+    wire [SIDE_W:0]   hi_near  = {hi, 1'b1} + {near_hi, less_near_hi};
 
-    // What the event in the fourth stage has left, and what is written there; s_* are still there.
-    wire [SIDE_W-1:0] lo_new    = store_4 ? s_lo : lo_goes_4 ? lo_far_4 : lo_near_4;
-    wire [SIDE_W-1:0] hi_new    = store_4 ? s_hi : hi_goes_4 ? hi_far_4 : hi_near_4;
-    wire [1:0]        marks_new = store_4 ? s_marks : marks_4 | beyond_4;
+    // What the event in the fourth stage has left.
+    wire [SIDE_W-1:0] lo_new    = begins_4 ? {SIDE_W{1'b0}} : lo_goes_4 ? lo_far_4 : lo_near_4;
+    wire [SIDE_W-1:0] hi_new    = begins_4 ? {SIDE_W{1'b0}} : hi_goes_4 ? hi_far_4 : hi_near_4;
+    wire [1:0]        marks_new = clear_4 ? 2'b00 : m_marks;
     wire              lo_is_far = hide_lo ? above : below;
     wire              hi_is_far = hide_hi ? below : above;
 
-    assign lo    = lo_goes ? lo_far_4 : lo_same | lo_else;
-    assign hi    = hi_goes ? hi_far_4 : hi_same | hi_else;
-    assign marks = marks_then | beyond;
+    assign m_lo    = lo_new;
+    assign m_hi    = hi_new;
+    assign m_marks = marks_4 | beyond_4;
+
+    // The way of a side: 0, that of what takes effect, inwards or outwards.
+    function [SIDE_W:0] way;
+        input              none, effects, minus;
+        input [SIDE_W-1:0] moved;
+        input [16:0]       amount;
+        way = none ? {(SIDE_W + 1) {1'b0}} : effects ? {moved, 1'b0} : {{(SIDE_W - 17) {minus}}, amount ^ {17{minus}}, minus};
+    endfunction
 
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
@@ -117,11 +141,11 @@ module motion_axis #(
         log2_3    <= log2s[slot_2];
         hide_lo   <= hide[0];
         hide_hi   <= hide[1];
-        hide_both <= &hide;
-        far_lo    <= &hide ? 18'd0 : hide[0] ? {1'b0, out} : ~{1'b0, out};
-        near_lo   <= &hide ? 18'd0 : hide[0] ? ~{1'b0, back} : {1'b0, back};
-        far_hi    <= &hide ? 18'd0 : hide[1] ? ~{1'b0, out} : {1'b0, out};
-        near_hi   <= &hide ? 18'd0 : hide[1] ? {1'b0, back} : ~{1'b0, back};
+        hide_both <= &hide || moves || rests;
+        {far_lo, less_far_lo}   <= way(rests || (!moves && &hide), moves, !hide[0], s_move_lo, out);
+        {near_lo, less_near_lo} <= way(rests || (!moves && &hide), moves, hide[0], s_move_lo, back);
+        {far_hi, less_far_hi}   <= way(rests || (!moves && &hide), moves, hide[1], s_move_hi, out);
+        {near_hi, less_near_hi} <= way(rests || (!moves && &hide), moves, !hide[1], s_move_hi, back);
         if (!forward || update) begin
             lo_far_4   <= lo_far[SIDE_W:1];
             hi_far_4   <= hi_far[SIDE_W:1];
@@ -130,27 +154,28 @@ module motion_axis #(
             lo_goes_4  <= lo_is_far;
             hi_goes_4  <= hi_is_far;
             marks_4    <= marks;
-            beyond_4   <= hide_both ? 2'b00 : {above, below};
+            beyond_4   <= effect ? s_marks : hide_both ? 2'b00 : {above, below};
             lo_goes    <= forward && lo_is_far;
             hi_goes    <= forward && hi_is_far;
             lo_same    <= forward ? lo_near[SIDE_W:1] : {SIDE_W{1'b0}};
             hi_same    <= forward ? hi_near[SIDE_W:1] : {SIDE_W{1'b0}};
-            lo_else    <= forward ? {SIDE_W{1'b0}} : recent ? lo_new : los[slot_2];
-            hi_else    <= forward ? {SIDE_W{1'b0}} : recent ? hi_new : his[slot_2];
-            marks_then <= forward ? marks : recent ? marks_new : markses[slot_2];
-            beyond     <= forward && !hide_both ? {above, below} : 2'b00;
+            lo_else    <= forward || fresh ? {SIDE_W{1'b0}} : recent ? lo_new : los[slot_2];
+            hi_else    <= forward || fresh ? {SIDE_W{1'b0}} : recent ? hi_new : his[slot_2];
+            marks_then <= (clear && forward) || fresh ? 2'b00 : forward ? marks : recent ? marks_new : markses[slot_2];
+            beyond     <= forward && !hide_both && !clear ? {above, below} : 2'b00;
         end
 
         slot_4   <= slot_3;
         update_4 <= update;
-        store_4  <= store;
-        if (update_4 || store_4) begin
+        clear_4  <= clear;
+        begins_4 <= begins;
+        if (update_4) begin
             los[slot_4]     <= lo_new;
             his[slot_4]     <= hi_new;
             markses[slot_4] <= marks_new;
         end
-        if (store) hides[slot_3] <= s_hidden;
-        if (put) middles[slot_3] <= s_middle;
+        if (hide_now) hides[slot] <= s_hidden;
+        if (effect) middles[slot_3] <= s_middle;
         if (set_bins) log2s[slot_3] <= s_log2;
 
         from   <= place_from[PX_W+1:1];

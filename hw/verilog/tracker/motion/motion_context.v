@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What events do not change of a slot: block RAMs that are read at one slot, all at once, and written in groups.
+// What has been computed of a slot: block RAMs that are read at one slot, all at once, and written in groups.
 //
-// Latency:    2 clocks from `at` to what that slot has. Box, window and N_ev are those of `put_slot` while one is put in force.
+// Latency:    2 clocks from `at` to what that slot has, from `from` to box and window, and from e_slot to what takes effect.
 // Throughput: a slot per clock. What is read in the clock of its own write is not defined.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
@@ -12,18 +12,27 @@ module motion_context #(
     parameter SLOT_W = 3,
     parameter SIDE_W = 25,
     parameter PX_W   = 13,
+    parameter REL_W  = 10,  // bits of a recentred address
+    parameter SUP_W  = 16,
     parameter ID_W   = 32
 ) (
     input  wire                clk,
     input  wire [SLOT_W-1:0]   at,
-    input  wire                puts,         // box, window and N_ev are those of put_slot
-    input  wire [SLOT_W-1:0]   put_slot,
+    input  wire [SLOT_W-1:0]   from,         // slot whose box and window are read
+    input  wire [SLOT_W-1:0]   e_slot,       // slot that takes effect
 
     input  wire                keep,         // the state is written,
     input  wire                keep_window,
     input  wire                keep_id,
     input  wire                keep_start,   // the place at the fourth correction
+    input  wire                finish,       // what takes effect
 
+    input  wire [4*SIDE_W-1:0] sides,        // lo and hi of x, lo and hi of y
+    input  wire [4*SIDE_W-1:0] moves,        // how far they move as they take effect
+    input  wire [SUP_W-1:0]    support,
+    input  wire                merged,       // since its last correction
+    input  wire [3:0]          marks,        // sides that a merge has marked
+    input  wire [1:0]          state,
     input  wire [31:0]         v,            // y, x
     input  wire [4*SIDE_W-1:0] refs,         // lo and hi of x, lo and hi of y
     input  wire [5:0]          corrections,
@@ -37,10 +46,15 @@ module motion_context #(
     input  wire [23:0]         usual,
     input  wire [4*PX_W-1:0]   box,
     input  wire [4*PX_W-1:0]   window,
+    input  wire [2*REL_W-1:0]  middle,       // of the box, half pixels, y and x
     input  wire [ID_W-1:0]     id,
     input  wire [2*SIDE_W+1:0] start,        // sums of both sides, x, y
     input  wire [9:0]          log2,
 
+    output wire [4*SIDE_W-1:0] q_sides,
+    output wire [4*SIDE_W-1:0] q_moves,
+    output wire [SUP_W-1:0]    q_support,
+    output wire                q_merged,
     output wire [31:0]         q_v,
     output wire [4*SIDE_W-1:0] q_refs,
     output wire [5:0]          q_corrections,
@@ -57,15 +71,22 @@ module motion_context #(
     output wire [2*SIDE_W+1:0] q_start,
     output wire [4*PX_W-1:0]   p_box,
     output wire [4*PX_W-1:0]   p_window,
-    output wire [9:0]          p_n_ev
+
+    output wire [1:0]          e_state,
+    output wire [4*SIDE_W-1:0] e_moves,
+    output wire [3:0]          e_marks,
+    output wire [3:0]          e_hidden,
+    output wire [2*REL_W-1:0]  e_middle,
+    output wire [9:0]          e_n_ev
 );
 
-    localparam STATE_W = 4 * SIDE_W + SLOT_W + 120;
+    localparam STATE_W  = 8 * SIDE_W + SUP_W + SLOT_W + 121;
+    localparam EFFECT_W = 4 * SIDE_W + 2 * REL_W + 20;
     localparam ADDR_W  = SLOT_W > 7 ? SLOT_W : 7;  // more than 64 words, for block RAM on every device
     localparam DEPTH   = 1 << ADDR_W;
 
     wire [ADDR_W-1:0] of_at    = {{(ADDR_W - SLOT_W) {1'b0}}, at};
-    wire [ADDR_W-1:0] of_place = {{(ADDR_W - SLOT_W) {1'b0}}, puts ? put_slot : at};
+    wire [ADDR_W-1:0] of_place = {{(ADDR_W - SLOT_W) {1'b0}}, from};
 
     block_memory #(
         .W    (STATE_W),
@@ -74,12 +95,15 @@ module motion_context #(
         .clk          (clk),
         .write        (keep),
         .write_address(of_at),
-        .write_data   ({v, refs, corrections, looked, meets, runs, n_ev, has_partner, partner, together, usual, log2}),
+        .write_data   ({
+            sides, support, merged, v, refs, corrections, looked, meets, runs, n_ev, has_partner, partner, together, usual, log2
+        }),
         .read_enable  (1'b1),
         .read_address (of_at),
         .out_enable   (1'b1),
         .read_data    ({
-            q_v, q_refs, q_corrections, q_looked, q_meets, q_runs, q_n_ev, q_has_partner, q_partner, q_together, q_usual, q_log2
+            q_sides, q_support, q_merged, q_v, q_refs, q_corrections, q_looked, q_meets, q_runs, q_n_ev, q_has_partner, q_partner,
+            q_together, q_usual, q_log2
         })
     );
 
@@ -126,17 +150,31 @@ module motion_context #(
     );
 
     block_memory #(
-        .W    (10),
+        .W    (4 * SIDE_W),
         .DEPTH(DEPTH)
-    ) u_n_evs (
+    ) u_moves (
         .clk          (clk),
-        .write        (keep),
+        .write        (finish),
         .write_address(of_at),
-        .write_data   (n_ev),
+        .write_data   (moves),
         .read_enable  (1'b1),
-        .read_address (of_place),
+        .read_address (of_at),
         .out_enable   (1'b1),
-        .read_data    (p_n_ev)
+        .read_data    (q_moves)
+    );
+
+    block_memory #(
+        .W    (EFFECT_W),
+        .DEPTH(DEPTH)
+    ) u_effects (
+        .clk          (clk),
+        .write        (finish),
+        .write_address(of_at),
+        .write_data   ({state, moves, marks, meets[4:1], middle, n_ev}),
+        .read_enable  (1'b1),
+        .read_address ({{(ADDR_W - SLOT_W) {1'b0}}, e_slot}),
+        .out_enable   (1'b1),
+        .read_data    ({e_state, e_moves, e_marks, e_hidden, e_middle, e_n_ev})
     );
 
 endmodule

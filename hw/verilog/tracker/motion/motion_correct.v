@@ -4,12 +4,11 @@
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low; how many clocks lie between two of them
 // is written there.
 //
-// Latency:    from start to done 27 to 48 clocks for a correction, 55 to 224 with a look for gaps; 37 or 38 for a candidate that begins.
+// Latency:    from start to done 23 to 40 clocks for a correction, 37 to 178 with a look for gaps; 30 or 31 for a candidate that begins.
 // Throughput: one at a time.
-// Stall:      waits for its operations, which are taken in the second clock at the latest, for the leading bit of the time and for its
-//             record to be accepted.
+// Stall:      waits for the leading bit of the time, for masks of the job before to be written, and for its record to be accepted.
 // Reset:      waits for a start.
-// Combinational paths: start -> begun.
+// Combinational paths: none.
 `default_nettype none
 
 module motion_correct #(
@@ -18,24 +17,16 @@ module motion_correct #(
     input  wire              clk,
     input  wire              rst,
 
-    input  wire              start,        // a job waits, and nothing else is being done
+    input  wire              start,        // nothing else is being done
     input  wire              seed,         // it is a candidate that begins
     input  wire [SLOT_W-1:0] slot,
-    output wire              begun,
     output wire              done,
     output reg               rests,
     output reg  [SLOT_W-1:0] at,
 
-    // operations: see motion_events.v
-    output reg               op_valid,
-    input  wire              op_ready,
-    output reg               op_read,
-    output reg               op_store,
-    output reg               op_full,
-    output reg               op_clear,
+    input  wire              read_done,    // the slot was read
+    output reg               op_clear,     // bin op_bin is cleared
     output reg  [3:0]        op_bin,
-    input  wire              read_done,
-    input  wire              store_done,
 
     // what decides
     input  wire              lane,
@@ -44,6 +35,7 @@ module motion_correct #(
     input  wire              q_meets,
     input  wire [5:0]        corrections,
     input  wire              look_due,
+    input  wire              merged,       // with it: bins are only cleared
     input  wire              instant,      // no more than a tick since the last correction
     input  wire              resting,      // its velocity is 0
     input  wire              looks,        // at axis look_y
@@ -52,6 +44,7 @@ module motion_correct #(
     input  wire              low_stays,
     input  wire              inverse_goes_on,  // in the next clock its leading bit is still looked for
     input  wire              window_done,
+    input  wire              mask_busy,    // the window of another slot is still being written to masks, and must stay
     input  wire              record_free,
 
     // commands
@@ -90,8 +83,7 @@ module motion_correct #(
     localparam [4:0] SEED    = 5'd1;   // a candidate begins
     localparam [4:0] SEED_1  = 5'd2;
     localparam [4:0] SEED_2  = 5'd3;
-    localparam [4:0] TICKS   = 5'd4;   // a correction: the slot is being read
-    localparam [4:0] LOAD    = 5'd5;
+    localparam [4:0] LOAD    = 5'd5;   // a correction: the slot is being read
     localparam [4:0] SHRINK  = 5'd6;   // how far sides move inwards
     localparam [4:0] OFFSET  = 5'd7;   // offsets in place of places
     localparam [4:0] LOOK    = 5'd8;   // bins are looked at
@@ -108,22 +100,19 @@ module motion_correct #(
     localparam [4:0] COUNT   = 5'd19;  // the next N_ev
     localparam [4:0] SAY     = 5'd20;  // hands over a record
     localparam [4:0] PLACE   = 5'd21;  // box and window
-    localparam [4:0] WINDOW  = 5'd22;  // waits for them, and for the sides to be written
+    localparam [4:0] WINDOW  = 5'd22;  // waits for them
     localparam [4:0] KEPT    = 5'd23;
 
     reg [4:0] state;
     reg [6:0] pause;             // a one for each clock until the state is gone on with
     reg       seeds;             // it is a candidate that begins
     reg       reads;             // the slot is being read
-    reg       windowed, stored;  // box and window have been found; the sides have been written
     wire      goes_on = !pause[0];
-    wire      op_free = !op_valid || op_ready;
     reg       lane_next;         // `lane` in the next clock: it changes in each but while a slot is being read
     reg       may_turn;          // it is high in the next clock, and the leading bit of the time is known
     reg       turns;             // its velocity is corrected
     reg       old;               // and it may be looked at
 
-    assign begun = rests && start;
     assign load  = reads;
     assign done  = state == KEPT;
 
@@ -140,10 +129,9 @@ module motion_correct #(
         lane_next <= lane;
         may_turn  <= lane && !inverse_goes_on;
         turns <= corrections >= 6'd2 && !instant;
-        old   <= corrections >= 6'd8;
-        if (op_ready) op_valid <= 1'b0;
-        if (store_done) stored <= 1'b1;
-        if (window_done) windowed <= 1'b1;
+        old   <= corrections >= 6'd8 && !merged;
+        if (op_clear) op_bin <= op_bin + 4'd1;
+        if (&op_bin) op_clear <= 1'b0;
 
         pause <= {1'b0, pause[6:1]};
         if (goes_on) case (state)
@@ -153,16 +141,13 @@ module motion_correct #(
                 seeds  <= seed;
                 look_y <= 1'b0;
                 reads  <= start && !seed;
-                op_bin <= 4'd15;
-                {op_clear, op_full, op_store, op_read} <= 4'b0001;
                 if (start) begin
                     rests <= 1'b0;
                     pause <= clocks(3'd1);  // what comes with the job is on its way
                     state <= SEED;
                     if (!seed) begin
-                        op_valid <= 1'b1;
-                        pause    <= clocks(3'd4);
-                        state    <= TICKS;
+                        pause <= 7'd0;
+                        state <= LOAD;
                     end
                 end
             end
@@ -185,15 +170,12 @@ module motion_correct #(
                 state  <= CLEAR;
             end
 
-            TICKS: begin
-                c_inverse <= 1'b1;
-                state     <= LOAD;
-            end
             LOAD:
-            if (read_done) begin
-                reads <= 1'b0;
-                pause <= clocks(3'd1);
-                state <= !q_meets && shrinks ? SHRINK : OFFSET;
+            if (read_done) begin  // then the time since the last correction is there, too
+                c_inverse <= 1'b1;
+                reads     <= 1'b0;
+                pause     <= clocks(3'd1);
+                state     <= !q_meets && shrinks ? SHRINK : OFFSET;
             end
             SHRINK: begin
                 c_shrink <= 1'b1;
@@ -223,7 +205,15 @@ module motion_correct #(
                 pause  <= clocks(3'd2);
                 state  <= look_y ? LOOKED : LOOK_GO;
             end
-            LOOKING: if (look_done) state <= gap_found ? CUT : ORDERED;
+            LOOKING:
+            if (look_done) begin
+                state <= CUT;
+                if (!gap_found) begin
+                    look_y <= 1'b1;
+                    pause  <= clocks(3'd2);
+                    state  <= look_y ? LOOKED : LOOK_GO;
+                end
+            end
             CUT:
             if (lane_next) begin
                 c_cut_high <= low_stays;
@@ -245,12 +235,10 @@ module motion_correct #(
                 c_bins <= 1'b1;
                 state  <= CLEAR;
             end
-            CLEAR:
-            if (op_free) begin
-                op_valid <= 1'b1;
-                op_bin   <= op_bin + 4'd1;
-                {op_clear, op_full, op_store, op_read} <= 4'b1000;
-                if (op_bin == 4'd14) state <= seeds ? PLACE : SPEED;
+            CLEAR: begin  // bins are cleared until they count again
+                op_clear <= 1'b1;
+                op_bin   <= 4'd0;
+                state    <= seeds ? PLACE : SPEED;
             end
 
             SPEED:
@@ -280,16 +268,12 @@ module motion_correct #(
             end
 
             PLACE:
-            if (op_free) begin
+            if ((!op_clear || op_bin[3]) && !mask_busy) begin  // the rest is cleared in time
                 c_window <= 1'b1;
-                windowed <= 1'b0;
-                stored   <= 1'b0;
-                op_valid <= 1'b1;
-                {op_clear, op_full, op_store, op_read} <= seeds ? 4'b0110 : 4'b0010;
                 state    <= WINDOW;
             end
             WINDOW:
-            if ((windowed || window_done) && (stored || store_done)) begin
+            if (window_done) begin
                 since       <= LAST;
                 keep        <= 1'b1;
                 keep_now    <= 1'b1;
@@ -309,8 +293,8 @@ module motion_correct #(
             state    <= REST;
             rests    <= 1'b1;
             pause    <= 7'd0;
-            op_valid <= 1'b0;
             reads    <= 1'b0;
+            op_clear <= 1'b0;
         end
     end
 

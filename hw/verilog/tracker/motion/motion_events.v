@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipeline in which events are decided and move the sides of their owners. Nothing in it ever waits: what an event changes is forwarded to the next
-// one, what a correction or a step changes comes as a token of its own, an operation, between two events.
+// The pipeline in which events are decided and move the sides of their owners. Nothing in it ever waits: what an event changes is
+// forwarded to the next one. What else changes slots comes between two events, as a token of its own, an operation.
 //
 // Stages: 1 the address, 2 the slots that it hits, 3 those of the kind that decides, 4 the owner, 5 what is read of it, 6 what becomes of
-// the event; then it is done, 8 its bin.
+// the event, 7 it is done, and the sides are written; 8 its bin.
 //
-// An operation reads (`read`, while r_* are the slot's), writes sides (`store`) and support (`full`), puts a box and window in force (`put`),
-// with N_ev events from then on (`left`), perhaps of a candidate that begins (`seed`), or clears a bin (`clear`). What it writes must stay
-// until it is done; the token behind one that writes must be empty.
+// Operations: `step` reads a slot for its motion step; `effect` puts into effect what has been computed of a slot (`e_own`), and ends
+// other slots; `clear` clears a bin. What takes effect must stay until it is done, and the token behind it must be empty. All that a
+// job needs to know of a slot, and of its cause, leaves as j_*.
 //
-// Latency:    7 clocks from a token to what becomes of it, 8 to its bin; 6 from an operation until it is done.
+// Latency:    7 clocks from a token to what becomes of it, and to j_*; 8 to its bin; 6 from an effect until it is done.
 // Throughput: a token or an operation per clock.
-// Stall:      none; only tokens for which there is room may enter.
-// Reset:      nothing is under way.
-// Combinational paths: none.
+// Stall:      none; only tokens for which there is room may enter, and none that `collides` with masks that are being written.
+// Reset:      nothing is under way, and every slot is free; then masks are cleared, until `ready` is high.
+// Combinational paths: s_x, s_y, next_x, next_y -> collides.
 `default_nettype none
 `include "motion_fields.vh"
 
@@ -31,6 +31,7 @@ module motion_events #(
 ) (
     input  wire              clk,
     input  wire              rst,
+    output wire              ready,       // for tokens
 
     // a token; an event has its owner decided, one that is skipped is counted alone
     input  wire              s_valid,
@@ -40,69 +41,62 @@ module motion_events #(
     input  wire [Y_W-1:0]    s_y,
     input  wire              s_p,
     input  wire [TIME_W-1:0] s_time,
+    input  wire [X_W-1:0]    next_x,      // of the token behind it, and
+    input  wire [Y_W-1:0]    next_y,
+    output wire              collides,    // neither may come in the next clock: see motion_match.v
+
+    // box and window of a slot, lo and hi on x, lo and hi on y, which may take effect when `mask_busy` is low
+    input  wire              mask,
+    input  wire [SLOT_W-1:0] mask_slot,   // with it, and in the clock before
+    input  wire [4*PX_W-1:0] mask_box,    // until `mask_busy` is low
+    input  wire [4*PX_W-1:0] mask_window, // from two clocks later on
+    output wire              mask_busy,
 
     // an operation
-    input  wire              op_read,
-    input  wire              op_store,
-    input  wire              op_full,
-    input  wire              op_put,
-    input  wire              op_left,
-    input  wire              op_seed,
+    input  wire              op_step,     // of which s_time is the tick
+    input  wire              op_effect,
     input  wire              op_clear,
     input  wire [SLOT_W-1:0] op_slot,
     input  wire [3:0]        op_bin,
-    output wire              read_done,
-    output wire              store_done,
-    output wire              put_done,
+    output wire              effect_done,
     output wire              active,      // a token or an operation is in a stage
 
-    // what operations write
-    input  wire [4*SIDE_W-1:0] o_sides,   // lo and hi on x, lo and hi on y
-    input  wire [3:0]        o_marks,     // hi and lo of y, hi and lo of x
-    input  wire [3:0]        o_hidden,
-    input  wire [SUP_W-1:0]  o_support,
-    input  wire [9:0]        o_log2,      // of bins, y and x
-    input  wire [4*PX_W-1:0] o_box,       // of the slot of `put`, from the clock after it came
-    input  wire [4*PX_W-1:0] o_window,
-    input  wire [9:0]        o_n_ev,
-
-    // what they read
-    output wire [4*SIDE_W-1:0] r_sides,
-    output wire [3:0]        r_marks,
-    output wire [SUP_W-1:0]  r_support,
-
-    // a motion step asks which boxes and windows share an interval
-    input  wire              ask,
-    input  wire [4*PX_W-1:0] ask_for,     // lo and hi on x, lo and hi on y
-    output wire [N-1:0]      in_box,      // two clocks later
-    output wire [N-1:0]      in_window,
-    output wire [N-1:0]      in_line,     // which boxes share a column or a row
+    // what takes effect, from the clock after `op_effect` on: of op_slot, if it is its own,
+    input  wire              e_own,
+    input  wire [N-1:0]      e_ended,     // and the end of these slots
+    input  wire [1:0]        e_state,     // free, candidate, visible, left
+    input  wire [4*SIDE_W-1:0] e_moves,   // how far sides move: lo and hi on x, lo and hi on y
+    input  wire [3:0]        e_marks,     // hi and lo of y, hi and lo of x
+    input  wire [3:0]        e_hidden,
+    input  wire [2*RADIX_W+3:0] e_middle, // of the box, half pixels, y and x
+    input  wire [9:0]        e_n_ev,
+    input  wire [9:0]        bin_log2,    // of the bins that are cleared, y and x
 
     // registers and slots
     input  wire [`MOTION_REGS_W-1:0] regs,
-    input  wire [N-1:0]      visible,
-    input  wire [N-1:0]      candidate,
-    input  wire [N-1:0]      fresh,
-    input  wire [N-1:0]      empty,
-    output wire              begins,      // a candidate is in force
-    output wire [SLOT_W-1:0] begins_slot,
+    input  wire [N-1:0]      seeded,      // a candidate may begin there
+    output reg  [N-1:0]      corrects,    // a correction or a seed of the slot is not in effect
+    output wire [N-1:0]      alive,       // not free
 
     // what becomes of a token
     output reg               d_valid,     // it is done,
     output reg               d_event,     // an event,
-    output reg               d_owned,     // which has an owner,
-    output reg               d_corrects,  // who is to be corrected,
-    output reg               d_seeds,     // or begins
+    output reg               d_owned,     // which has an owner
     output reg  [SLOT_W-1:0] d_slot,
     output reg  [RADIX_W+1:0] d_rel_x,
     output reg  [RADIX_W+1:0] d_rel_y,
     output reg  [X_W-1:0]    d_x,
     output reg  [Y_W-1:0]    d_y,
     output reg               d_p,
-    output reg  [SUP_W-1:0]  d_support,
     output reg  [TIME_W-1:0] d_time,
     output reg  [SEQ_W-1:0]  d_seq,
-    output reg  [SEQ_W-1:0]  seq,         // number of the next event
+
+    // a job, in the clock of d_*; number and tick are d_seq and d_time, the place of a seed d_x and d_y
+    output reg               j_valid,
+    output reg  [1:0]        j_kind,      // 0 a correction, 1 a seed, 2 a step
+    output wire [4*SIDE_W-1:0] j_sides,   // behind the event; of a seed 0
+    output wire [3:0]        j_marks,
+    output reg  [SUP_W-1:0]  j_owned,     // events owned since the last job
 
     // to the bins
     output reg               bin_count,
@@ -117,6 +111,10 @@ module motion_events #(
 
     localparam REL_W   = RADIX_W + 2;
     localparam TOKEN_W = TIME_W + X_W + Y_W + 3;
+
+    localparam [1:0] CANDIDATE = 2'd1;
+    localparam [1:0] VISIBLE   = 2'd2;
+    localparam [1:0] LEFT      = 2'd3;
 
     // ---- what follows from the registers -------------------------------------------------------------------------------
 
@@ -134,51 +132,64 @@ module motion_events #(
 
     reg  [6:1]         valid;            // a token
     reg  [TOKEN_W-1:0] token_1, token_2, token_3, token_4, token_5, token_6;
-    reg  [6:0]         op_1, op_2, op_3, op_4, op_5, op_6;  // clear, seed, left, put, full, store, read
+    reg  [2:0]         op_1, op_2, op_3, op_4, op_5, op_6;  // clear, effect, step
     reg  [6:2]         ops;              // one of them
     reg  [SLOT_W-1:0]  op_slot_1, op_slot_2, op_slot_3;
     reg  [3:0]         bin_1, bin_2, bin_3, bin_4, bin_5, bin_6, bin_7;
-    reg  signed [PX_W-1:0] lo_x, hi_x, lo_y, hi_y;
-    reg                asked;            // for an event, or by a motion step
-    wire [N-1:0]       box_x, box_y, window_x, window_y;
+    reg  [N-1:0]       visible, candidate, left;  // in effect
+    reg  [N-1:0]       empty, fresh;     // free slots in which a candidate may begin; those without a track that may return
+    reg  [N-1:0]       visible_2;        // a clock later
     wire               owned_4, begins_4, shared_4;
     wire [SLOT_W-1:0]  slot_4;
 
-    assign in_box      = box_x & box_y;
-    assign in_window   = window_x & window_y;
-    assign in_line     = box_x | box_y;
-    assign begins      = op_2[5];
-    assign begins_slot = op_slot_2;
+    // What takes effect changes states in its second stage: the event in front has its owner by then, but not yet its state.
+    wire [N-1:0]       one     = {{(N - 1) {1'b0}}, 1'b1};
+    wire [N-1:0]       changed = op_2[1] ? e_ended | (e_own ? one << op_slot_2 : {N{1'b0}}) : {N{1'b0}};
+    wire [N-1:0]       comes   = op_2[1] && e_own ? (one << op_slot_2) & ~e_ended : {N{1'b0}};
+
+    always @(posedge clk) begin
+        visible   <= (visible & ~changed) | (e_state == VISIBLE ? comes : {N{1'b0}});
+        candidate <= (candidate & ~changed) | (e_state == CANDIDATE ? comes : {N{1'b0}});
+        left      <= (left & ~changed) | (e_state == LEFT ? comes : {N{1'b0}});
+        visible_2 <= visible;
+        empty     <= seeded & ~(visible | candidate);
+        fresh     <= seeded & ~(visible | candidate | left);
+        if (rst) {visible, candidate, left} <= {(3 * N) {1'b0}};
+    end
 
     motion_match #(
         .N     (N),
+        .X_W   (X_W),
+        .Y_W   (Y_W),
         .PX_W  (PX_W),
         .SLOT_W(SLOT_W)
     ) u_match (
-        .clk       (clk),
-        .asked     (asked),
-        .lo_x      (lo_x),
-        .hi_x      (hi_x),
-        .lo_y      (lo_y),
-        .hi_y      (hi_y),
-        .box_x     (box_x),
-        .box_y     (box_y),
-        .window_x  (window_x),
-        .window_y  (window_y),
-        .visible   (visible),
-        .candidate (candidate),
-        .fresh     (fresh),
-        .empty     (empty),
-        .is_op     (ops[3]),
-        .op_slot   (op_slot_3),
-        .owned     (owned_4),
-        .begins    (begins_4),
-        .shared    (shared_4),
-        .owner     (slot_4),
-        .place     (op_2[3]),
-        .place_slot(op_slot_2),
-        .box       (o_box),
-        .window    (o_window)
+        .clk        (clk),
+        .rst        (rst),
+        .ready      (ready),
+        .x          (s_x),
+        .y          (s_y),
+        .next_x     (next_x),
+        .next_y     (next_y),
+        .collides   (collides),
+        .visible    (visible),
+        .candidate  (candidate),
+        .fresh      (fresh),
+        .empty      (empty),
+        .asked      (valid[3]),
+        .is_op      (ops[3]),
+        .op_slot    (op_slot_3),
+        .owned      (owned_4),
+        .begins     (begins_4),
+        .shared     (shared_4),
+        .owner      (slot_4),
+        .update     (mask),
+        .update_slot(mask_slot),
+        .box        (mask_box),
+        .window     (mask_window),
+        .busy       (mask_busy),
+        .place      (op_2[1] && e_own),
+        .place_slot (op_slot_2)
     );
 
     always @(posedge clk) begin
@@ -189,7 +200,7 @@ module motion_events #(
         token_4   <= token_3;
         token_5   <= token_4;
         token_6   <= token_5;
-        op_1      <= {op_clear, op_seed, op_left, op_put, op_full, op_store, op_read};
+        op_1      <= {op_clear, op_effect, op_step};
         op_2      <= op_1;
         ops       <= {ops[5:2], |op_1};
         op_3      <= op_2;
@@ -206,105 +217,106 @@ module motion_events #(
         bin_5     <= bin_4;
         bin_6     <= bin_5;
         bin_7     <= bin_6;
-        {lo_x, hi_x} <= {2{{{(PX_W - X_W) {1'b0}}, s_x}}};
-        {lo_y, hi_y} <= {2{{{(PX_W - Y_W) {1'b0}}, s_y}}};
-        asked <= s_valid || ask;
-        if (ask) {lo_x, hi_x, lo_y, hi_y} <= ask_for;
         if (rst) begin
             valid <= 6'd0;
-            {op_1, op_2, op_3, op_4, op_5, op_6} <= 42'd0;
+            {op_1, op_2, op_3, op_4, op_5, op_6} <= 18'd0;
             ops <= 5'd0;
         end
     end
 
-    // ---- stages 5 and 6: what it does to its owner ---------------------------------------------------------------------
+    // ---- stages 5 to 7: what it does to its owner ----------------------------------------------------------------------
 
     reg               owned_5, begins_5, shared_5, visible_5, same_5, recent_5;
-    reg               takes, updates, begins_6;       // an owner has the event; it changes the owner; or a candidate may begin
+    reg               takes, measures, updates, begins_6;  // an owner has the event; its sides move; it is counted; or a candidate may begin
     reg  [SLOT_W-1:0] slot_5, slot_6;
-    reg               seeding;                        // a candidate has begun that is not in force
-    reg  [SUP_W:0]    supports[0:(1<<SLOT_W)-1];      // no more is counted; the count
-    reg  [11:0]       lefts   [0:(1<<SLOT_W)-1];      // is it one? is it any? events until the next correction; 0: one is not in force yet
-    reg  [SUP_W-1:0]  support_6;
+    reg               seeding;                        // a candidate has begun that is not in effect,
+    reg  [SLOT_W-1:0] seed_slot;                      // here
+    reg               new_5, new_6;                   // the operation is on that slot
+    reg  [SUP_W:0]    owneds [0:(1<<SLOT_W)-1];       // no more is counted; events since the last job
+    reg  [11:0]       lefts  [0:(1<<SLOT_W)-1];       // is it one? is it any? events until the next correction; 0: one is not in effect
+    reg  [SEQ_W-1:0]  seq;                            // number of the next event
+    reg  [SUP_W-1:0]  owned_6;
     reg               full_6;
     reg  [9:0]        left_6;
     reg               any_left_6, last_left_6;
-    reg  [11:0]       left_op;                        // what an operation writes
+    reg  [11:0]       left_op;                        // what takes effect
 
     wire               event_5 = valid[5] && token_5[X_W+Y_W+2];
     wire               event_6 = valid[6] && token_6[X_W+Y_W+2];
     wire               skip_6  = token_6[X_W+Y_W+1];
-    wire               seeds   = begins_6 && !seeding;
-    wire [SUP_W-1:0]   support_next = support_6 + {{(SUP_W - 1) {1'b0}}, !full_6};
-    wire               full_next    = &(support_6 | {{(SUP_W - 1) {1'b0}}, 1'b1});
-    wire [9:0]         left_next    = left_6 - 10'd1;
-    wire [11:0]        left_5       = lefts[slot_5];
-    wire               last_next    = left_6 == 10'd2;
-    wire               any_next     = !same_5 ? left_5[10] : any_left_6 && !(updates && last_left_6);
-    wire [16:0]        far          = visible_5 ? out : {out[15:0], 1'b0};
-    wire [16:0]        near         = visible_5 ? back : {back[15:0], 1'b0};
+    wire               seeds_6    = begins_6 && !seeding;
+    wire               corrects_6 = updates && last_left_6;
+    wire               own_5      = op_5[1] && e_own;
+    reg                own_6, acts_6;      // what takes effect is the slot's own; it is, or a step
+    wire [SUP_W-1:0]   owned_next = owned_6 + {{(SUP_W - 1) {1'b0}}, !full_6};
+    wire               full_next  = &(owned_6 | {{(SUP_W - 1) {1'b0}}, 1'b1});
+    wire [SUP_W:0]     owned_new  = corrects_6 || seeds_6 || op_6[0] ? {(SUP_W + 1) {1'b0}} : {full_next, owned_next};
+    wire [9:0]         left_next  = left_6 - 10'd1;
+    wire [11:0]        left_5     = lefts[slot_5];
+    wire               last_next  = left_6 == 10'd2;
+    wire               any_next   = !same_5 ? left_5[10] : any_left_6 && !corrects_6;
+    wire [16:0]        far        = visible_5 ? out : {out[15:0], 1'b0};
+    wire [16:0]        near       = visible_5 ? back : {back[15:0], 1'b0};
     wire [REL_W-1:0]   rel_x, rel_y;
-    reg  [PX_W+REL_W-1:0] middle_x, middle_y;         // of the box that is put in force, half pixels: the lower part counts
-    wire [SIDE_W-1:0]  lo_x_6, hi_x_6, lo_y_6, hi_y_6;
+    wire [SIDE_W-1:0]  lo_x_7, hi_x_7, lo_y_7, hi_y_7;
+    wire [N-1:0]       here_6     = one << slot_6;
 
-    assign read_done  = op_6[0];
-    assign store_done = op_6[1];
-    assign put_done   = op_6[3];
-    assign active     = |valid || |op_1 || |ops || d_valid;
-    assign r_sides    = {lo_x_6, hi_x_6, lo_y_6, hi_y_6};
-    assign r_support  = support_6;
-
-    function [PX_W+REL_W-1:0] wide;
-        input [PX_W-1:0] bound;
-        wide = {{REL_W{bound[PX_W-1]}}, bound};
-    endfunction
+    assign effect_done = op_6[1];
+    assign active      = |valid || |op_1 || |ops || d_valid;
+    assign alive       = visible | candidate | left | (seeding ? one << seed_slot : {N{1'b0}});
+    assign j_sides     = {lo_x_7, hi_x_7, lo_y_7, hi_y_7};
 
     always @(posedge clk) begin
         owned_5   <= owned_4;
         begins_5  <= begins_4;
         shared_5  <= shared_4;
-        visible_5 <= visible[slot_4];
+        visible_5 <= visible_2[slot_4];
         slot_5    <= slot_4;
-        same_5    <= event_5 && owned_5 && slot_4 == slot_5;
-        recent_5  <= (updates || op_6[1]) && slot_4 == slot_6;
+        same_5    <= event_5 && owned_5 && !begins_5 && slot_4 == slot_5;
+        recent_5  <= (measures || own_6) && slot_4 == slot_6;
 
         takes     <= event_5 && owned_5 && !begins_5;
+        measures  <= event_5 && owned_5 && !begins_5 && !shared_5;
         updates   <= event_5 && owned_5 && !begins_5 && !shared_5 && any_next;
         begins_6  <= event_5 && owned_5 && begins_5;
         slot_6    <= slot_5;
-        if (!same_5 || takes) {full_6, support_6} <= same_5 ? {full_next, support_next} : supports[slot_5];
-        if (!same_5 || updates) begin
-            {last_left_6, left_6} <= same_5 ? {last_next, left_next} : {left_5[11], left_5[9:0]};
-        end
+        own_6     <= own_5;
+        acts_6    <= own_5 || op_5[0];
+        new_5     <= seeding && slot_4 == seed_slot && (op_4[0] || (op_4[1] && e_own));  // long after it was seeded
+        new_6     <= new_5;
+        if (!same_5 || takes) {full_6, owned_6} <= same_5 ? owned_new : owneds[slot_5];
+        if (!same_5 || updates) {last_left_6, left_6} <= same_5 ? {last_next, left_next} : {left_5[11], left_5[9:0]};
         any_left_6 <= any_next;
-        left_op    <= {o_n_ev == 10'd1, o_n_ev != 10'd0, o_n_ev};
+        left_op    <= {e_n_ev == 10'd1, e_n_ev != 10'd0, e_n_ev};
 
-        if (takes || op_6[2]) supports[slot_6] <= op_6[2] ? {&o_support, o_support} : {full_next, support_next};
-        if (updates || op_6[4])
-            lefts[slot_6] <= op_6[4] ? left_op : {last_next, !last_left_6, left_next};
-        if (seeds) seeding <= 1'b1;
-        if (op_6[5]) seeding <= 1'b0;
+        if (takes || seeds_6 || op_6[0]) owneds[slot_6] <= owned_new;
+        if (updates || (own_6 && (new_6 || !any_left_6)))
+            lefts[slot_6] <= updates ? {last_next, !last_left_6, left_next} : left_op;
+        corrects <= (corrects | (corrects_6 || seeds_6 ? here_6 : {N{1'b0}}))
+                  & ~(own_6 ? here_6 : {N{1'b0}}) & ~(op_6[1] ? e_ended : {N{1'b0}});
+        if (seeds_6) {seeding, seed_slot} <= {1'b1, slot_6};
+        if (op_6[1] && (new_6 || e_ended[seed_slot])) seeding <= 1'b0;
 
         d_valid    <= valid[6];
         d_event    <= event_6;
-        d_owned    <= takes || seeds;
-        d_corrects <= updates && last_left_6;
-        d_seeds    <= seeds;
+        d_owned    <= takes || seeds_6;
         d_slot     <= slot_6;
-        d_rel_x    <= seeds ? {REL_W{1'b0}} : rel_x;
-        d_rel_y    <= seeds ? {REL_W{1'b0}} : rel_y;
-        middle_x   <= wide(o_box[3*PX_W+:PX_W]) + wide(o_box[2*PX_W+:PX_W]);
-        middle_y   <= wide(o_box[PX_W+:PX_W]) + wide(o_box[0+:PX_W]);
+        d_rel_x    <= seeds_6 ? {REL_W{1'b0}} : rel_x;
+        d_rel_y    <= seeds_6 ? {REL_W{1'b0}} : rel_y;
         {d_x, d_y, d_p} <= token_6[X_W+Y_W:0];
         d_time     <= token_6[TOKEN_W-1-:TIME_W];
-        d_support  <= support_next;
-        d_seq      <= seq;
         if (valid[6] && (event_6 || skip_6)) seq <= seq + {{(SEQ_W - 1) {1'b0}}, 1'b1};
+        d_seq      <= seq;
+        j_valid    <= corrects_6 || seeds_6 || op_6[0];
+        j_kind     <= {op_6[0], seeds_6};
+        j_owned    <= op_6[0] ? owned_6 : owned_next;
         if (rst) begin
-            {takes, updates, begins_6} <= 3'd0;
-            seeding <= 1'b0;
-            seq     <= {SEQ_W{1'b0}};
-            d_valid <= 1'b0;
+            {takes, measures, updates, begins_6, own_6, acts_6} <= 6'd0;
+            corrects <= {N{1'b0}};
+            seeding  <= 1'b0;
+            seq      <= {SEQ_W{1'b0}};
+            d_valid  <= 1'b0;
+            j_valid  <= 1'b0;
         end
     end
 
@@ -323,21 +335,26 @@ module motion_events #(
         .forward (same_5),
         .recent  (recent_5),
         .slot_2  (slot_5),
-        .update  (updates),
-        .store   (op_6[1]),
-        .put     (op_6[3]),
-        .set_bins(op_6[6]),
+        .moves   (own_5),
+        .rests   (op_5[0]),
+        .fresh   (new_5),
+        .update  (measures || acts_6),
+        .effect  (own_6),
+        .clear   (corrects_6),
+        .set_bins(op_6[2]),
+        .begins  (seeds_6),
         .slot_3  (slot_6),
         .rel     (rel_x),
-        .lo      (lo_x_6),
-        .hi      (hi_x_6),
-        .marks   (r_marks[1:0]),
-        .s_lo    (o_sides[3*SIDE_W+:SIDE_W]),
-        .s_hi    (o_sides[2*SIDE_W+:SIDE_W]),
-        .s_marks (o_marks[1:0]),
-        .s_hidden(o_hidden[1:0]),
-        .s_middle(middle_x[REL_W-1:0]),
-        .s_log2  (o_log2[4:0]),
+        .m_lo    (lo_x_7),
+        .m_hi    (hi_x_7),
+        .m_marks (j_marks[1:0]),
+        .hide_now(op_4[1] && e_own),
+        .s_move_lo(e_moves[3*SIDE_W+:SIDE_W]),
+        .s_move_hi(e_moves[2*SIDE_W+:SIDE_W]),
+        .s_marks (e_marks[1:0]),
+        .s_hidden(e_hidden[1:0]),
+        .s_middle(e_middle[0+:REL_W]),
+        .s_log2  (bin_log2[4:0]),
         .in_bin  (in_bin_x),
         .bin     (bin_x)
     );
@@ -357,26 +374,31 @@ module motion_events #(
         .forward (same_5),
         .recent  (recent_5),
         .slot_2  (slot_5),
-        .update  (updates),
-        .store   (op_6[1]),
-        .put     (op_6[3]),
-        .set_bins(op_6[6]),
+        .moves   (own_5),
+        .rests   (op_5[0]),
+        .fresh   (new_5),
+        .update  (measures || acts_6),
+        .effect  (own_6),
+        .clear   (corrects_6),
+        .set_bins(op_6[2]),
+        .begins  (seeds_6),
         .slot_3  (slot_6),
         .rel     (rel_y),
-        .lo      (lo_y_6),
-        .hi      (hi_y_6),
-        .marks   (r_marks[3:2]),
-        .s_lo    (o_sides[SIDE_W+:SIDE_W]),
-        .s_hi    (o_sides[0+:SIDE_W]),
-        .s_marks (o_marks[3:2]),
-        .s_hidden(o_hidden[3:2]),
-        .s_middle(middle_y[REL_W-1:0]),
-        .s_log2  (o_log2[9:5]),
+        .m_lo    (lo_y_7),
+        .m_hi    (hi_y_7),
+        .m_marks (j_marks[3:2]),
+        .hide_now(op_4[1] && e_own),
+        .s_move_lo(e_moves[SIDE_W+:SIDE_W]),
+        .s_move_hi(e_moves[0+:SIDE_W]),
+        .s_marks (e_marks[3:2]),
+        .s_hidden(e_hidden[3:2]),
+        .s_middle(e_middle[REL_W+:REL_W]),
+        .s_log2  (bin_log2[9:5]),
         .in_bin  (in_bin_y),
         .bin     (bin_y)
     );
 
-    wire unused = &{1'b0, middle_x, middle_y, regs};
+    wire unused = &{1'b0, regs};
 
     // ---- behind: the bins ------------------------------------------------------------------------------------------------
 
@@ -385,7 +407,7 @@ module motion_events #(
 
     always @(posedge clk) begin
         count_7     <= updates && counts;
-        clear_7     <= op_6[6];
+        clear_7     <= op_6[2];
         slot_7      <= slot_6;
         bin_count   <= count_7;
         bin_clear   <= clear_7;

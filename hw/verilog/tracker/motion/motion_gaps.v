@@ -4,7 +4,7 @@
 // An event makes its bin on each axis one more: read, then written four clocks later; what is being written is forwarded. A bin can
 // be cleared in its place.
 //
-// Latency:    4 clocks from count to the bin; 61 clocks from look to done.
+// Latency:    4 clocks from count to the bin; 47 clocks from look to done.
 // Throughput: an event per clock, and one look beside them, of a slot whose bins do not change.
 // Stall:      what a look found stays until the next one.
 // Reset:      waits for a look. Bins are not reset.
@@ -76,22 +76,25 @@ module motion_gaps #(
         .looked(looked_y)
     );
 
-    // ---- a look: three times through the bins ------------------------------------------------------------------------
+    // ---- a look: twice through the bins --------------------------------------------------------------------------------
 
     localparam [2:0] WAIT  = 3'd0;
     localparam [2:0] SUM   = 3'd1;  // all events
     localparam [2:0] LEAST = 3'd2;  // what an empty bin has at most, found until the first one is there
     localparam [2:0] RUNS  = 3'd3;  // the widest gap
     localparam [2:0] PLACE = 3'd4;  // where it lies
-    localparam [2:0] PARTS = 3'd5;  // events below and above it
+    localparam [2:0] WIDE  = 3'd5;
     localparam [2:0] JUDGE = 3'd6;
 
     reg [2:0]        state;
     reg              wide;
     reg [BIN_W-1:0]  value;
-    reg [BIN_W:0]    sum;           // of all events; then of those below the gap, less those above it
+    reg [BIN_W:0]    total;         // of all events
+    reg [BIN_W:0]    sum;           // of those in the bins before
+    reg [BIN_W:0]    run_below;     // of those before a run of empty bins,
+    reg [BIN_W:0]    below, with_gap;  // before the widest gap, and with those in it
+    reg [BIN_W:0]    sum_then, run_below_then;  // one clock before
     reg [BIN_W-1:0]  least, share;
-    reg              below, above;  // where the bin lies
     reg              full;     // the value is more than an empty bin has
     reg              any;      // a bin that is not empty was there
     reg              closes;   // a run of empty bins between two that are not has ended: so many, before this one
@@ -106,7 +109,7 @@ module motion_gaps #(
     wire [BIN_W:0]   spare   = {1'b0, least} - {1'b0, looked};  // negative where a bin is not empty
     reg              there;                // the value of `bin`
     reg              last;                 // of all bins
-    wire [BIN_W+1:0] next    = {sum, 1'b1} + {above, above ? ~value : value, above};
+    wire [BIN_W+1:0] parts   = {1'b0, below} + {1'b0, with_gap} - {1'b0, total};  // of those below, less those above
 
     always @(posedge clk) begin
         done     <= 1'b0;
@@ -116,9 +119,7 @@ module motion_gaps #(
         log2     <= bin_log2;
         value    <= looked;
         full     <= spare[BIN_W];
-        share    <= sum[BIN_W-1:0] >> gap_share;
-        below    <= bin_2 < begins;
-        above    <= state == PARTS && bin_2 >= ends;
+        share    <= total[BIN_W-1:0] >> gap_share;
         there    <= at > 5'd1 && !last;
         last     <= at == 5'd17;
         closes   <= state == RUNS && there && full && any;
@@ -128,19 +129,23 @@ module motion_gaps #(
         ends     <= behind;
         part     <= {7'd0, widest} << log2[2:0];
         width    <= {{(WIDE_W - 11) {1'b0}}, part} << {log2[4:3], 3'd0};
+        sum_then       <= sum;
+        run_below_then <= run_below;
         if (closes && widest < ran) begin
-            widest <= ran;
-            behind <= stop;
+            widest   <= ran;
+            behind   <= stop;
+            below    <= run_below_then;
+            with_gap <= sum_then;
         end
         if (looking) at <= last ? 5'd0 : at + 5'd1;
         case (state)
             WAIT: begin
                 at    <= 5'd0;
-                sum   <= {(BIN_W + 1) {1'b0}};
+                total <= {(BIN_W + 1) {1'b0}};
                 if (look) state <= SUM;
             end
             SUM: begin
-                if (there) sum <= next[BIN_W+1:1];
+                if (there) total <= total + {1'b0, value};
                 if (last) state <= LEAST;
             end
             LEAST: begin
@@ -148,27 +153,28 @@ module motion_gaps #(
                 run    <= 4'd0;
                 widest <= 4'd0;
                 at     <= 5'd0;
+                sum    <= {(BIN_W + 1) {1'b0}};
                 state  <= RUNS;
             end
             RUNS: begin
                 if (!there) least <= share == {BIN_W{1'b0}} ? {{(BIN_W - 1) {1'b0}}, 1'b1} : share;
                 if (there && full) any <= 1'b1;
                 if (there) run <= full ? 4'd0 : run + 4'd1;
+                if (there) sum <= sum + {1'b0, value};
+                if (there && full) run_below <= sum + {1'b0, value};
                 if (last) state <= PLACE;
             end
             PLACE: begin
-                sum   <= {(BIN_W + 1) {1'b0}};
                 at    <= 5'd0;
-                state <= PARTS;
+                state <= WIDE;
             end
-            PARTS: begin
-                if (there && (below || above)) sum <= next[BIN_W+1:1];
+            WIDE: begin
                 wide <= widest != 4'd0 && width >= {{(WIDE_W - PX_W) {1'b0}}, narrowest};
-                if (last) state <= JUDGE;
+                if (at == 5'd4) state <= JUDGE;
             end
             JUDGE: begin
                 found     <= wide;
-                low_stays <= !sum[BIN_W];
+                low_stays <= !parts[BIN_W+1];
                 done      <= 1'b1;
                 state     <= WAIT;
             end
@@ -180,7 +186,7 @@ module motion_gaps #(
         end
     end
 
-    wire unused = &{1'b0, next[0], spare};
+    wire unused = &{1'b0, parts[BIN_W:0], spare};
 
 endmodule
 

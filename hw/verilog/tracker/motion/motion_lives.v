@@ -3,7 +3,7 @@
 // free slot is of the life before.
 //
 // Latency:    1 clock.
-// Throughput: a change of one slot, and a candidate that is put in force, per clock.
+// Throughput: a change of one slot per clock.
 // Stall:      none.
 // Reset:      every slot is free.
 // Combinational paths: none.
@@ -16,11 +16,8 @@ module motion_lives #(
     input  wire              clk,
     input  wire              rst,
 
-    input  wire              begins,       // a candidate is in force
-    input  wire [SLOT_W-1:0] begins_slot,
-
     input  wire [SLOT_W-1:0] at,           // of this slot
-    input  wire              seed,         // a candidate is being placed
+    input  wire              seed,         // a candidate begins
     input  wire              settle,       // the fourth correction is done
     input  wire              appear,       // the candidate becomes visible
     input  wire              lapse,        // the life ends,
@@ -32,16 +29,16 @@ module motion_lives #(
     output reg  [N-1:0]      settled
 );
 
-    wire         ends  = appear || lapse;  // the candidate, if it is one
-    wire [N-1:0] one   = {{(N - 1) {1'b0}}, 1'b1};
-    wire [N-1:0] here  = one << at;
-    wire [N-1:0] comes = begins ? one << begins_slot : {N{1'b0}};
+    wire [N-1:0] one    = {{(N - 1) {1'b0}}, 1'b1};
+    wire [N-1:0] here   = one << at;
+    wire         leaves = lapse && leave;
+    wire         ends   = appear || lapse;  // the candidate, if it is one
 
     always @(posedge clk) begin
-        candidate <= (candidate | comes) & ~(ends ? here : {N{1'b0}});
-        if (ends) visible <= appear ? visible | here : visible & ~here;
-        if (seed || lapse) left <= lapse && leave ? left | here : left & ~here;
-        if (seed || settle) settled <= settle ? settled | here : settled & ~here;
+        candidate <= (candidate & ~(ends ? here : {N{1'b0}})) | (seed ? here : {N{1'b0}});
+        visible   <= (visible & ~(lapse ? here : {N{1'b0}})) | (appear ? here : {N{1'b0}});
+        left      <= (left & ~(seed || lapse ? here : {N{1'b0}})) | (leaves ? here : {N{1'b0}});
+        settled   <= (settled & ~(seed ? here : {N{1'b0}})) | (settle ? here : {N{1'b0}});
         if (rst) {visible, candidate, left, settled} <= {(4 * N) {1'b0}};
     end
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which boxes and windows of others a slot's box and window touch: docs/motion.md, rules S5, S8 and R3. All others are asked at once.
+// Which boxes and windows of others a slot's box and window touch: docs/motion.md, rules S5, S8 and R3; and which of them may be one
+// object with it (rule M2). One other slot per clock, from the lowest on.
 //
-// Latency:    11 clocks from start to done.
+// Latency:    10 clocks from start to done, and one for each other slot that is not free.
 // Throughput: one at a time.
 // Stall:      the results stay until the next start.
 // Reset:      nothing is under way.
@@ -24,16 +25,17 @@ module motion_meeting #(
     input  wire [N-1:0]      left,       // lost, but it may return
     input  wire [4*PX_W-1:0] box,        // of the slot: lo and hi on x, lo and hi on y
     input  wire [4*PX_W-1:0] window,
+    input  wire [3:0]        join_reach,
+    input  wire [7:0]        join_px,
 
-    // see motion_match.v
-    output reg               ask,
-    output reg  [4*PX_W-1:0] ask_for,
-    input  wire [N-1:0]      in_box,     // two clocks later
-    input  wire [N-1:0]      in_window,
-    input  wire [N-1:0]      in_line,    // a column or a row is shared with the box
+    // the others
+    output reg               asks,
+    output reg  [SLOT_W-1:0] asked,
+    input  wire [4*PX_W-1:0] other_box,  // two clocks later
+    input  wire [4*PX_W-1:0] other_window,
 
     output reg               done,
-    output reg  [N-1:0]      nearby,     // boxes that share a column or a row: no other one can be one object with this one (rule M2)
+    output reg  [N-1:0]      nearby,     // only with these can it be one object, whichever way they move; not with all of them
     output reg               meets,      // a visible one's window
     output reg  [3:0]        hidden,     // sides that visible ones hide: hi and lo of y, hi and lo of x
     output reg               held,       // the middle of the box lies in a visible one's window
@@ -43,85 +45,146 @@ module motion_meeting #(
     output reg  [SLOT_W-1:0] returned    // this one's, the lowest
 );
 
-    reg  [10:0]       step;     // one of them is high
-    reg  [1:0]        ask_lo_x, ask_hi_x, ask_lo_y, ask_hi_y;  // the bound that is asked for next
-    reg               asks;
-    reg  [N-1:0]      others, behind;
-    reg               sees;     // a visible one's window
-    reg  [N-1:0]      boxes;    // those of candidates; at first the windows of what has left
-    wire              any_box;
-
-    localparam [1:0] LOW    = 2'd0;
-    localparam [1:0] HIGH   = 2'd1;
-    localparam [1:0] MIDDLE = 2'd2;
-    localparam [1:0] WINDOW = 2'd3;
-
+    reg  [N-1:0]      ahead;               // that were not asked
+    reg               starts;
+    reg               busy;
+    reg  [7:1]        asks_then;           // one to seven clocks before
+    reg  [6:0]        ends;
+    reg  [SLOT_W-1:0] asked_1, asked_2, asked_3, asked_4, asked_5, asked_6, asked_7;
+    reg               follows;             // behind the one that was touched
+    reg  [SLOT_W-1:0] behind;
+    reg  [PX_W-1:0]   middle_x, middle_y;
+    reg  [1:0]        box_on, window_on;   // y, x: the box shares a pixel with the other's box, with its window;
+    reg  [1:0]        both_on;             // the window does with its window
+    reg  [1:0]        low_in, high_in, middle_in;  // an end or the middle of the box is within its window
+    reg               is_visible, is_candidate, is_left;
+    wire              any_ahead;
     wire [SLOT_W-1:0] lowest;
-    wire [PX_W-1:0]   lo_x = box[3*PX_W+:PX_W];
-    wire [PX_W-1:0]   hi_x = box[2*PX_W+:PX_W];
-    wire [PX_W-1:0]   lo_y = box[PX_W+:PX_W];
-    wire [PX_W-1:0]   hi_y = box[0+:PX_W];
-    wire [PX_W:0]     sum_x = {lo_x[PX_W-1], lo_x} + {hi_x[PX_W-1], hi_x};
-    wire [PX_W:0]     sum_y = {lo_y[PX_W-1], lo_y} + {hi_y[PX_W-1], hi_y};
+    wire [N-1:0]      one = {{(N - 1) {1'b0}}, 1'b1};
 
-    function [PX_W-1:0] bound;
-        input [1:0]      which;
-        input [PX_W-1:0] low, high, middle, outer;
-        bound = which[1] ? (which[0] ? outer : middle) : (which[0] ? high : low);
-    endfunction
+    wire [PX_W-1:0] lo_x = box[3*PX_W+:PX_W];
+    wire [PX_W-1:0] hi_x = box[2*PX_W+:PX_W];
+    wire [PX_W-1:0] lo_y = box[PX_W+:PX_W];
+    wire [PX_W-1:0] hi_y = box[0+:PX_W];
+    wire [PX_W:0]   sum_x = {lo_x[PX_W-1], lo_x} + {hi_x[PX_W-1], hi_x};
+    wire [PX_W:0]   sum_y = {lo_y[PX_W-1], lo_y} + {hi_y[PX_W-1], hi_y};
 
     array_lowest #(
         .N     (N),
         .SLOT_W(SLOT_W)
     ) u_lowest (
-        .asked (1'b1),
-        .among (boxes),
-        .any   (any_box),
+        .asked (busy),
+        .among (ahead),
+        .any   (any_ahead),
         .lowest(lowest)
     );
 
-    always @(posedge clk) begin
-        step   <= {step[9:0], start};
-        done   <= step[10];
-        others <= ~({{(N - 1) {1'b0}}, 1'b1} << slot);
+    function at_most;
+        input signed [PX_W-1:0] low, high;
+        at_most = low <= high;
+    endfunction
 
-        // The window, then each side, the middle, the box: asked in step 1 is answered in step 4. A side's events are hidden where it
-        // lies in the window, and the box touches it.
-        ask_lo_x <= start ? WINDOW : step[1] ? HIGH : step[4] ? MIDDLE : LOW;
-        ask_hi_x <= start ? WINDOW : step[0] ? LOW : step[4] ? MIDDLE : HIGH;
-        ask_lo_y <= start ? WINDOW : step[3] ? HIGH : step[4] ? MIDDLE : LOW;
-        ask_hi_y <= start ? WINDOW : step[2] ? LOW : step[4] ? MIDDLE : HIGH;
-        asks     <= start || |step[5:0];
-        ask      <= asks;
-        ask_for  <= {
-            bound(ask_lo_x, lo_x, hi_x, sum_x[PX_W:1], window[3*PX_W+:PX_W]),
-            bound(ask_hi_x, lo_x, hi_x, sum_x[PX_W:1], window[2*PX_W+:PX_W]),
-            bound(ask_lo_y, lo_y, hi_y, sum_y[PX_W:1], window[PX_W+:PX_W]),
-            bound(ask_hi_y, lo_y, hi_y, sum_y[PX_W:1], window[0+:PX_W])
-        };
-        sees  <= |(in_window & visible & others);
-        boxes <= step[3] ? in_window & left : in_box & candidate & others & behind;
-        if (step[4]) begin
-            meets    <= sees;
-            returns  <= any_box;
-            returned <= lowest;
+    // Intervals of one axis: lo and hi of each.
+    function share;
+        input [2*PX_W-1:0] some, others;
+        share = at_most(some[PX_W+:PX_W], others[0+:PX_W]) && at_most(others[PX_W+:PX_W], some[0+:PX_W]);
+    endfunction
+
+    function lies_in;
+        input [PX_W-1:0]   pixel;
+        input [2*PX_W-1:0] others;
+        lies_in = at_most(pixel, others[0+:PX_W]) && at_most(others[PX_W+:PX_W], pixel);
+    endfunction
+
+    // A gap on one axis: at most as wide as the wider box on the other, or half of it if join_reach is not 0, and join_px.
+    wire              some_reach = join_reach != 4'd0;
+    reg  [PX_W-1:0]   width, height, other_width, other_height;  // hi - lo
+    reg  [PX_W-1:0]   wider, higher, reach_x, reach_y;
+    reg  [4*PX_W-1:0] box_3, box_4, box_5;                       // of the other
+    reg  [1:0]        box_on_4, box_on_5, box_on_6, box_on_7;
+    reg  [PX_W:0]     far_x, far_y, other_far_x, other_far_y;    // the high bounds, by `reach` farther, and the low ones
+    reg  [2*PX_W-1:0] low_6;
+    reg               near_x, near_y;
+    wire [PX_W-1:0]   least = {{(PX_W - 8) {1'b0}}, join_px};
+
+    function [PX_W:0] farther;
+        input [PX_W-1:0] high, reach;
+        farther = {high[PX_W-1], high} + {1'b0, reach};
+    endfunction
+
+    function at_least;
+        input [PX_W-1:0] low;
+        input [PX_W:0]   far;
+        at_least = $signed({low[PX_W-1], low}) <= $signed(far);
+    endfunction
+
+    always @(posedge clk) begin
+        width        <= hi_x - lo_x;
+        height       <= hi_y - lo_y;
+        other_width  <= other_box[2*PX_W+:PX_W] - other_box[3*PX_W+:PX_W];
+        other_height <= other_box[0+:PX_W] - other_box[PX_W+:PX_W];
+        {box_5, box_4, box_3} <= {box_4, box_3, other_box};
+        wider        <= (width < other_width ? other_width : width) >> some_reach;
+        higher       <= (height < other_height ? other_height : height) >> some_reach;
+        reach_y      <= wider + least;
+        reach_x      <= higher + least;
+        far_x        <= farther(hi_x, reach_x);
+        far_y        <= farther(hi_y, reach_y);
+        other_far_x  <= farther(box_5[2*PX_W+:PX_W], reach_x);
+        other_far_y  <= farther(box_5[0+:PX_W], reach_y);
+        low_6        <= {box_5[3*PX_W+:PX_W], box_5[PX_W+:PX_W]};
+        near_x       <= at_least(lo_x, other_far_x) && at_least(low_6[PX_W+:PX_W], far_x);
+        near_y       <= at_least(lo_y, other_far_y) && at_least(low_6[0+:PX_W], far_y);
+        {box_on_7, box_on_6, box_on_5, box_on_4} <= {box_on_6, box_on_5, box_on_4, box_on};
+    end
+
+    always @(posedge clk) begin
+        starts <= start;
+        if (start) begin
+            ahead    <= (visible | candidate | left) & ~(one << slot);
+            behind   <= touched;
+            follows  <= !begins;
+            middle_x <= sum_x[PX_W:1];
+            middle_y <= sum_y[PX_W:1];
+            {meets, hidden, held, touches, returns} <= 8'd0;
+            nearby   <= {N{1'b0}};
         end
-        if (step[5]) hidden[0] <= sees;
-        if (step[6]) hidden[1] <= sees;
-        if (step[7]) hidden[2] <= sees;
-        if (step[8]) hidden[3] <= sees;
-        if (step[9]) held <= sees;
-        if (step[9]) nearby <= in_line;
-        if (step[10]) begin
-            touches <= any_box;
-            touched <= lowest;
+        if (starts) busy <= 1'b1;
+        if (busy) begin
+            ahead <= ahead & (ahead - one);
+            if (!any_ahead) busy <= 1'b0;
         end
-        if (start) behind <= begins ? {N{1'b1}} : ~(({{(N - 1) {1'b0}}, 1'b1} << touched) | (({{(N - 1) {1'b0}}, 1'b1} << touched) - {{(N - 1) {1'b0}}, 1'b1}));
+        asks      <= busy && any_ahead;
+        asked     <= lowest;
+        asks_then <= {asks_then[6:1], asks};
+        {asked_7, asked_6, asked_5, asked_4, asked_3, asked_2, asked_1} <= {asked_6, asked_5, asked_4, asked_3, asked_2, asked_1, asked};
+        {done, ends} <= {ends, busy && !any_ahead};
+
+        // What is compared with the other slot is there two clocks after `asked`.
+        box_on       <= {share(box[0+:2*PX_W], other_box[0+:2*PX_W]), share(box[2*PX_W+:2*PX_W], other_box[2*PX_W+:2*PX_W])};
+        window_on    <= {share(box[0+:2*PX_W], other_window[0+:2*PX_W]), share(box[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
+        both_on      <= {share(window[0+:2*PX_W], other_window[0+:2*PX_W]), share(window[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
+        low_in       <= {lies_in(lo_y, other_window[0+:2*PX_W]), lies_in(lo_x, other_window[2*PX_W+:2*PX_W])};
+        high_in      <= {lies_in(hi_y, other_window[0+:2*PX_W]), lies_in(hi_x, other_window[2*PX_W+:2*PX_W])};
+        middle_in    <= {lies_in(middle_y, other_window[0+:2*PX_W]), lies_in(middle_x, other_window[2*PX_W+:2*PX_W])};
+        is_visible   <= asks_then[2] && visible[asked_2];
+        is_candidate <= asks_then[2] && candidate[asked_2] && (!follows || asked_2 > behind);
+        is_left      <= asks_then[2] && left[asked_2];
+        if (asks_then[7]) nearby[asked_7] <= (box_on_7[0] && near_y) || (box_on_7[1] && near_x);
+        if (is_visible) begin
+            meets  <= meets || &both_on;
+            held   <= held || &middle_in;
+            hidden <= hidden | {high_in[1] && window_on[0], low_in[1] && window_on[0], high_in[0] && window_on[1], low_in[0] && window_on[1]};
+        end
+        if (is_candidate && &box_on && !touches) {touches, touched} <= {1'b1, asked_3};
+        if (is_left && &both_on && !returns) {returns, returned} <= {1'b1, asked_3};
+
         if (rst) begin
-            step <= 11'd0;
-            done <= 1'b0;
-            asks <= 1'b0;
-            ask  <= 1'b0;
+            starts    <= 1'b0;
+            busy      <= 1'b0;
+            asks      <= 1'b0;
+            asks_then <= 7'd0;
+            {done, ends} <= 8'd0;
         end
     end
 

@@ -4,9 +4,9 @@
 //
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low.
 //
-// Latency:    65 to 82 clocks from start to done.
+// Latency:    50 to 53 clocks from start to done.
 // Throughput: one at a time.
-// Stall:      waits for its operations, which are taken in the second clock at the latest, and for its records to be accepted.
+// Stall:      waits for its records to be accepted, and for masks of the window before to be written.
 // Reset:      waits for a start.
 // Combinational paths: none.
 `default_nettype none
@@ -21,29 +21,21 @@ module motion_merge #(
     input  wire              rst,
 
     input  wire              start,
-    input  wire [SLOT_W-1:0] this_slot,
     input  wire [SLOT_W-1:0] stays,
     input  wire [SLOT_W-1:0] goes,
     output reg               rests,
     output reg               done,
     output reg  [SLOT_W-1:0] at,
 
-    // operations: see motion_events.v
-    output reg               op_valid,
-    input  wire              op_ready,
-    output reg               op_read,
-    output reg               op_store,
-    output reg               op_put,       // box and window as well
-    output reg               op_clear,
-    output reg  [3:0]        op_bin,
-    input  wire              read_done,
-    input  wire              store_done,
+    output reg               fetch,        // the slot `at` is read,
+    input  wire              read_done,    // and was
 
     // what decides
     input  wire              lane,
     input  wire [N-1:0]      visible,
     input  wire              older,        // the deadline that stayed is earlier
     input  wire              window_done,
+    input  wire              mask_busy,    // the window before is still being written to masks, and must stay
     input  wire              record_free,
     input  wire [ID_W-1:0]   id,
 
@@ -53,7 +45,6 @@ module motion_merge #(
     output reg               c_settle,
     output reg               c_reflect,
     output reg               c_cover,
-    output reg               c_bins,
     output reg               c_window,
     output reg               c_take,       // the deadline of the one that goes
     output reg               lapse,
@@ -71,7 +62,6 @@ module motion_merge #(
     localparam [1:0] REPORTED = 2'd3;
 
     localparam [4:0] REST    = 5'd0;   // waits for a start
-    localparam [4:0] SAVE    = 5'd1;   // writes back the one that stays
     localparam [4:0] SAVED   = 5'd2;   // reads the one that goes
     localparam [4:0] GOES    = 5'd3;
     localparam [4:0] GONE    = 5'd4;   // the id of the one that stays, then a record
@@ -83,23 +73,19 @@ module motion_merge #(
     localparam [4:0] UNITE   = 5'd10;
     localparam [4:0] COVER   = 5'd11;  // they cover both
     localparam [4:0] COVERED = 5'd12;
-    localparam [4:0] BINS    = 5'd13;  // begins new bins
-    localparam [4:0] CLEAR   = 5'd14;  // clears them
+    localparam [4:0] LATER   = 5'd13;  // the deadline
     localparam [4:0] PLACE   = 5'd15;  // box and window
     localparam [4:0] WINDOW  = 5'd16;
     localparam [4:0] WRITE   = 5'd17;  // writes it back
     localparam [4:0] SAY     = 5'd18;  // hands over a record
     localparam [4:0] WRITTEN = 5'd19;
-    localparam [4:0] BEGIN   = 5'd20;  // which of them stays?
+    localparam [4:0] BEGIN   = 5'd20;  // writes back the one that stays
 
     reg [4:0] state;
     reg [6:0] pause;       // a one for each clock until the state is gone on with
-    reg       stored;
-    reg       own;            // the slot whose step it is, stays
     reg       at_visible, goes_visible;
     reg       reads, unites;  // the one that goes is being read; the one that stays is
     wire      goes_on = !pause[0];
-    wire      op_free = !op_valid || op_ready;
 
     assign load  = reads;
     assign unite = unites;
@@ -111,43 +97,31 @@ module motion_merge #(
     endfunction
 
     always @(posedge clk) begin
-        {c_settle, c_reflect, c_cover, c_bins, c_window, c_take, lapse, done} <= 8'd0;
+        {c_settle, c_reflect, c_cover, c_window, c_take, lapse, done, fetch} <= 8'd0;
         {keep, keep_now, keep_until, keep_window, say} <= 5'd0;
-        if (op_ready) op_valid <= 1'b0;
-        if (store_done) stored <= 1'b1;
-        own          <= stays == this_slot;
         at_visible   <= visible[at];
         goes_visible <= visible[goes];
 
         pause <= {1'b0, pause[6:1]};
         if (goes_on) case (state)
             REST: begin
-                at     <= this_slot;
+                at     <= stays;
                 since  <= UNTIL;
-                stored <= 1'b0;
-                op_bin <= 4'd15;
-                {op_clear, op_put, op_store, op_read} <= 4'b0010;
                 if (start) begin
                     rests <= 1'b0;
                     state <= BEGIN;
                 end
             end
             BEGIN: begin
-                op_valid <= own;
-                keep     <= own;
-                pause    <= own ? 7'd0 : clocks(3'd2);
-                state    <= own ? SAVE : GONE;
-            end
-            SAVE:
-            if (stored) begin
-                at    <= goes;
+                keep  <= 1'b1;
+                pause <= clocks(3'd2);
                 state <= SAVED;
             end
             SAVED: begin
-                op_valid <= 1'b1;
-                {op_clear, op_put, op_store, op_read} <= 4'b0001;
-                reads    <= 1'b1;
-                state    <= GOES;
+                at    <= goes;
+                fetch <= 1'b1;
+                reads <= 1'b1;
+                state <= GOES;
             end
             GOES:
             if (read_done) begin
@@ -185,10 +159,9 @@ module motion_merge #(
                 state <= READ;
             end
             READ: begin
-                op_valid <= 1'b1;
-                {op_clear, op_put, op_store, op_read} <= 4'b0001;
-                unites   <= 1'b1;
-                state    <= UNITE;
+                fetch  <= 1'b1;
+                unites <= 1'b1;
+                state  <= UNITE;
             end
             UNITE:
             if (read_done) begin
@@ -205,22 +178,16 @@ module motion_merge #(
             COVERED: begin
                 c_settle <= 1'b1;
                 pause    <= clocks(3'd5);
-                state    <= BINS;
+                state    <= LATER;
             end
-            BINS: begin
-                c_bins     <= 1'b1;
+            LATER: begin
                 keep_until <= !older;
-                state      <= CLEAR;
-            end
-            CLEAR:
-            if (op_free) begin
-                op_valid <= 1'b1;
-                op_bin   <= op_bin + 4'd1;
-                {op_clear, op_put, op_store, op_read} <= 4'b1000;
-                if (op_bin == 4'd14) state <= PLACE;
+                pause      <= clocks(3'd5);
+                state      <= PLACE;
             end
 
-            PLACE: begin
+            PLACE:
+            if (!mask_busy) begin
                 c_window <= 1'b1;
                 state    <= WINDOW;
             end
@@ -230,9 +197,6 @@ module motion_merge #(
                 state       <= WRITE;
             end
             WRITE: begin
-                op_valid <= 1'b1;
-                {op_clear, op_put, op_store, op_read} <= 4'b0110;
-                stored   <= 1'b0;
                 keep     <= 1'b1;
                 kind     <= `EVCOT_KIND_MOVED;
                 state    <= at_visible ? SAY : WRITTEN;
@@ -244,8 +208,7 @@ module motion_merge #(
                 keep_now <= 1'b1;
                 state    <= WRITTEN;
             end
-            WRITTEN:
-            if (stored) begin
+            WRITTEN: begin
                 done  <= 1'b1;
                 rests <= 1'b1;
                 state <= REST;
@@ -257,7 +220,6 @@ module motion_merge #(
             state    <= REST;
             rests    <= 1'b1;
             pause    <= 7'd0;
-            op_valid <= 1'b0;
             reads    <= 1'b0;
             unites   <= 1'b0;
         end

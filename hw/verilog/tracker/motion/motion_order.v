@@ -2,11 +2,11 @@
 // What is done in motion_work.v, and when: corrections and candidates, motion_correct.v, steps, motion_step.v, and within them two slots
 // that become one, motion_merge.v. One of them is at work at a time, and the commands of all go to the same parts.
 //
-// Latency:    see there.
-// Throughput: one job or step at a time.
+// Latency:    see there; 2 clocks for a job of a slot that is free.
+// Throughput: one job at a time.
 // Stall:      see there.
 // Reset:      nothing is being done, and every slot is free.
-// Combinational paths: job_valid -> begun.
+// Combinational paths: job_valid -> begun, fetch; job_kind -> fetch, since; job_slot -> ends.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -21,36 +21,27 @@ module motion_order #(
     // what is to be done
     input  wire                    job_valid,
     output wire                    job_done,
-    input  wire                    job_seed,
+    input  wire                    job_real,
+    input  wire [1:0]              job_kind,   // 0 a correction, 1 a seed, 2 a step, 3 the end of a life
     input  wire [SLOT_W-1:0]       job_slot,
-    input  wire                    do_step,
-    input  wire                    do_end,
-    input  wire [SLOT_W-1:0]       work_slot,
-    output wire                    rests,
-    output wire                    begun,  // a job begins
+    output wire                    begun,      // a job begins
+    output wire                    ends,       // it ends `at`, not its own slot
+    output wire                    finish,     // what it has computed is there
+    output reg  [1:0]              state,      // of `at`: free, candidate, visible, left
 
     // slots
-    input  wire                    begins,
-    input  wire [SLOT_W-1:0]       begins_slot,
     output wire [N-1:0]            visible,
     output wire [N-1:0]            candidate,
     output wire [N-1:0]            left,       // lost, but it may return
     output reg  [SLOT_W-1:0]       at,         // a clock late
     output wire [SLOT_W-1:0]       this_slot,  // whose step it is
 
-    // operations: see motion_events.v
-    output wire                    op_valid,
-    output wire                    op_beside,  // of a correction or a candidate, not of a step
-    input  wire                    op_ready,
-    output wire                    op_read,
-    output wire                    op_store,
-    output wire                    op_full,
-    output wire                    op_put,
-    output wire                    op_clear,
-    output wire [3:0]              op_bin,
+    // what is read of `at`, and bins that are cleared
+    output wire                    fetch,
     input  wire                    read_next,  // read_done in the next clock
     input  wire                    read_done,
-    input  wire                    store_done,
+    output wire                    op_clear,
+    output wire [3:0]              op_bin,
 
     // records
     output wire                    say,
@@ -64,6 +55,7 @@ module motion_order #(
     input  wire                    shrinks,
     input  wire                    q_meets,
     input  wire                    look_due,
+    input  wire                    merged,
     input  wire                    instant,
     input  wire                    resting,
     input  wire                    looks,
@@ -71,7 +63,10 @@ module motion_order #(
     input  wire                    gap_found,
     input  wire                    low_stays,
     input  wire                    inverse_goes_on,
+    input  wire                    too_long,
+    input  wire                    window_soon,
     input  wire                    window_done,
+    input  wire                    mask_busy,
     input  wire                    meets,
     input  wire                    silent,
     input  wire                    ended,
@@ -97,7 +92,8 @@ module motion_order #(
     // commands
     output reg                     loads,      // load, or unite
     output reg                     load,
-    output reg                     load_support,
+    output reg                     begin_job,  // with it: of the job
+    output wire                    of_job,     // what is being read is
     output reg                     unite,
     output wire                    seed,
     output wire                    shrink,
@@ -137,44 +133,45 @@ module motion_order #(
     output wire                    keep_id,
     output wire                    resume,
     output wire                    keep_start,
+    output wire                    follow,
+    output wire                    united,        // with place: the sides cover those of another slot
     output wire                    look,
     output wire                    look_y,
     output wire [1:0]              since
 );
 
     // Names of motion_correct.v begin with k_, of motion_step.v with s_, of motion_merge.v with m_.
-    wire              k_begun, k_rests, k_valid, k_read, k_store, k_full, k_clear, k_load, k_seed, k_shrink, k_cut_high, k_cut_low, k_order;
+    wire              k_rests, k_done, k_load, k_seed, k_shrink, k_cut_high, k_cut_low, k_order;
     wire              k_offset, k_settle, k_inverse, k_speed, k_times, k_count, k_bins, k_window, k_note, k_say;
     wire              k_keep, k_keep_now, k_keep_until, k_keep_window, k_keep_start;
-    wire              s_rests, s_valid, s_all, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
+    wire              s_rests, s_done, s_fetch, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
     wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
-    wire              m_rests, m_done, m_valid, m_read, m_store, m_put, m_clear, m_load, m_unite, m_settle, m_reflect, m_cover, m_bins;
+    wire              m_rests, m_done, m_fetch, m_load, m_unite, m_settle, m_reflect, m_cover;
     wire              s_resume, s_leave, s_leaves, s_keep_until, s_widest;
     wire              m_window, m_take, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
-    wire [SLOT_W-1:0] k_at, s_at, m_at, stays, goes;
-    wire [3:0]        k_bin, m_bin;
+    wire [SLOT_W-1:0] k_at, s_at, m_at, goes;
     wire [1:0]        s_kind, m_kind, k_since, s_since, m_since;
     reg               k_was;        // and what it has written last is being written
     reg               k_visible;    // its slot is
+    reg               passes;       // of the job that is there nothing is computed: its slot is free
+    reg               at_work;      // it has begun
     wire              correcting = !k_rests || k_was;
     wire              merging    = !m_rests;
+    reg               waits;        // the job was there a clock before,
+    reg               empty;        // and its slot is free
+    wire              starts     = begun && !empty && job_kind != 2'd1;  // it begins with what is read of its slot
 
     wire [N-1:0]      settled;
 
-    assign rests    = k_rests && s_rests;
+    assign begun    = waits && job_valid && !at_work && k_rests && s_rests;
+    assign job_done = k_done || s_done || passes;
+    assign finish   = k_done || s_done;
+    assign ends     = m_lapse || (s_lapse && at != job_slot);
+    assign fetch    = starts || s_fetch || m_fetch;
+    assign of_job   = m_rests;
     assign say      = k_say || s_say || m_say;
     assign kind     = correcting ? `EVCOT_KIND_MOVED : merging ? m_kind : s_kind;
-    assign op_valid  = k_valid || s_valid || m_valid;
-    assign op_beside = k_valid;
-    assign op_read  = (k_valid && k_read) || (s_valid && !s_all) || (m_valid && m_read);
-    assign op_store = (k_valid && k_store) || (s_valid && s_all) || (m_valid && m_store);
-    assign op_full  = (k_valid && k_full) || (s_valid && s_all) || (m_valid && m_store);
-    assign op_put   = (s_valid && s_all) || (m_valid && m_put);
-    assign op_clear = (k_valid && k_clear) || (m_valid && m_clear);
-    assign op_bin   = correcting ? k_bin : m_bin;
-
-    assign begun    = k_begun;
-    assign since    = correcting ? k_since : merging ? m_since : s_since;
+    assign since    = !job_kind[1] ? k_since : merging ? m_since : s_since;
 
     assign seed         = k_seed;
     assign shrink       = k_shrink;
@@ -193,7 +190,7 @@ module motion_order #(
     assign correct      = k_times;
     assign leaves       = s_leaves;
     assign count        = k_count;
-    assign begin_bins   = k_bins || m_bins;
+    assign begin_bins   = k_bins;
     assign place        = k_window || s_window || m_window;
     assign widest       = s_widest && !correcting && !merging;
     assign note         = k_note;
@@ -214,15 +211,23 @@ module motion_order #(
     assign keep_id      = s_appear;
     assign resume       = s_resume;
     assign keep_start   = k_keep_start;
+    assign united       = m_window;
 
     always @(posedge clk) begin
-        at           <= !k_rests ? k_at : merging ? m_at : !s_rests ? s_at : job_slot;
-        k_was        <= !k_rests;
-        k_visible    <= visible[k_at];
-        loads        <= read_next && (k_load || s_load || m_load || m_unite);
-        load         <= read_next && (k_load || s_load || m_load);
-        load_support <= read_next && (s_load || m_load);
-        unite        <= read_next && m_unite;
+        at        <= !k_rests ? k_at : merging ? m_at : !s_rests ? s_at : job_slot;
+        state     <= {visible[at] || left[at], candidate[at] || left[at]};
+        k_was     <= !k_rests;
+        k_visible <= visible[k_at];
+        loads     <= read_next && (k_load || s_load || m_load || m_unite);
+        load      <= read_next && (k_load || s_load || m_load);
+        begin_job <= read_next && (k_load || s_load);
+        unite     <= read_next && m_unite;
+        waits     <= job_valid && !job_done;
+        empty     <= !job_real || (job_kind != 2'd1 && !visible[job_slot] && !candidate[job_slot] && !left[job_slot]);
+        passes    <= begun && empty;
+        if (begun) at_work <= 1'b1;
+        if (job_done) at_work <= 1'b0;
+        if (rst) {waits, passes, at_work} <= 3'b000;
     end
 
     motion_correct #(
@@ -230,28 +235,22 @@ module motion_order #(
     ) u_correct (
         .clk         (clk),
         .rst         (rst),
-        .start       (job_valid && s_rests),  // a step starts only while none waits
-        .seed        (job_seed),
+        .start       (begun && !empty && !job_kind[1]),
+        .seed        (job_kind[0]),
         .slot        (job_slot),
-        .begun       (k_begun),
-        .done        (job_done),
+        .done        (k_done),
         .rests       (k_rests),
         .at          (k_at),
-        .op_valid    (k_valid),
-        .op_ready    (op_ready),
-        .op_read     (k_read),
-        .op_store    (k_store),
-        .op_full     (k_full),
-        .op_clear    (k_clear),
-        .op_bin      (k_bin),
         .read_done   (read_done),
-        .store_done  (store_done),
+        .op_clear    (op_clear),
+        .op_bin      (op_bin),
         .lane        (lane),
         .visible     (k_visible),
         .shrinks     (shrinks),
         .q_meets     (q_meets),
         .corrections (corrections),
         .look_due    (look_due),
+        .merged      (merged),
         .instant     (instant),
         .resting     (resting),
         .looks       (looks),
@@ -260,6 +259,7 @@ module motion_order #(
         .low_stays   (low_stays),
         .inverse_goes_on(inverse_goes_on),
         .window_done (window_done),
+        .mask_busy   (mask_busy),
         .record_free (record_free),
         .load        (k_load),
         .c_seed      (k_seed),
@@ -293,19 +293,16 @@ module motion_order #(
     ) u_step (
         .clk        (clk),
         .rst        (rst),
-        .start      (do_step),
-        .end_life   (do_end),
-        .work_slot  (work_slot),
+        .start      (begun && !empty && job_kind[1]),
+        .end_life   (job_kind[0]),
+        .work_slot  (job_slot),
         .rests      (s_rests),
+        .done       (s_done),
         .at         (s_at),
         .this_slot  (this_slot),
-        .op_valid   (s_valid),
-        .op_ready   (op_ready),
-        .op_all     (s_all),
+        .fetch      (s_fetch),
         .read_done  (read_done),
-        .store_done (store_done),
         .merge      (s_merge),
-        .stays      (stays),
         .goes       (goes),
         .merged     (m_done),
         .visible    (visible),
@@ -320,7 +317,10 @@ module motion_order #(
         .dividing   (dividing),
         .enough     (enough),
         .overdue    (overdue),
+        .too_long   (too_long),
+        .window_soon(window_soon),
         .window_done(window_done),
+        .mask_busy  (mask_busy),
         .pair_done  (pair_done),
         .alike      (alike),
         .weaker     (weaker),
@@ -341,6 +341,7 @@ module motion_order #(
         .c_rub      (s_rub),
         .c_shorten  (s_shorten),
         .c_window   (s_window),
+        .c_follow   (follow),
         .widest     (s_widest),
         .c_compare  (s_compare),
         .c_pair     (s_pair),
@@ -373,25 +374,18 @@ module motion_order #(
         .clk        (clk),
         .rst        (rst),
         .start      (s_merge),
-        .this_slot  (this_slot),
-        .stays      (stays),
+        .stays      (this_slot),
         .goes       (goes),
         .rests      (m_rests),
         .done       (m_done),
         .at         (m_at),
-        .op_valid   (m_valid),
-        .op_ready   (op_ready),
-        .op_read    (m_read),
-        .op_store   (m_store),
-        .op_put     (m_put),
-        .op_clear   (m_clear),
-        .op_bin     (m_bin),
+        .fetch      (m_fetch),
         .read_done  (read_done),
-        .store_done (store_done),
         .lane       (lane),
         .visible    (visible),
         .older      (older),
         .window_done(window_done),
+        .mask_busy  (mask_busy),
         .record_free(record_free),
         .id         (id),
         .load       (m_load),
@@ -399,7 +393,6 @@ module motion_order #(
         .c_settle   (m_settle),
         .c_reflect  (m_reflect),
         .c_cover    (m_cover),
-        .c_bins     (m_bins),
         .c_window   (m_window),
         .c_take     (m_take),
         .lapse      (m_lapse),
@@ -419,8 +412,6 @@ module motion_order #(
     ) u_lives (
         .clk        (clk),
         .rst        (rst),
-        .begins     (begins),
-        .begins_slot(begins_slot),
         .at         (at),
         .seed       (k_seed),
         .settle     (k_keep_start),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tokens on their way to the event pipeline: their ticks are added up, and it is seen whether a motion step is due before them.
+// Tokens on their way to the event pipeline: their ticks are added up, and it is seen whether a motion step is due before them, or
+// something takes effect.
 //
 // Latency:    5 clocks from the acceptance of a token to m_valid.
 // Throughput: a token per clock.
@@ -13,11 +14,13 @@ module motion_queue #(
     parameter X_W    = 9,   // bits of an x address
     parameter Y_W    = 9,   // bits of a y address
     parameter TICK_W = 20,  // bits of the tick input
-    parameter TIME_W = 48   // bits of a time
+    parameter TIME_W = 48,  // bits of a time
+    parameter DUE_W  = 24   // bits of it that count between two times: a step is at most 2^20 ticks ahead, a token 2^TICK_W - 1
 ) (
     input  wire              clk,
     input  wire              rst,
 
+    input  wire              opens,      // low: no token is accepted, from the next clock on
     input  wire              s_valid,
     output reg               s_ready,
     input  wire [TICK_W-1:0] s_tick,
@@ -29,26 +32,28 @@ module motion_queue #(
 
     input  wire [TIME_W-1:0] next_step,
     input  wire              holds,      // a motion step is under way: next_step changes, and no token is taken
+    input  wire [DUE_W-1:0]  due_tick,
+    input  wire [TIME_W-1:0] now,
 
     output reg               m_valid,
     input  wire              m_ready,
     output reg               m_due,      // m_valid, and a motion step comes before it
     output reg               m_runs,     // m_valid, and none does
+    output reg               m_late,     // due_tick of the clock before is not behind it
+    output reg               m_far,      // it is 256 ticks or more behind `now` of the clock before
     output reg  [TIME_W-1:0] m_time,
     output reg               m_event,
     output reg               m_skip,
     output reg  [X_W-1:0]    m_x,
     output reg  [Y_W-1:0]    m_y,
     output reg               m_p,
+    output wire [X_W-1:0]    next_x,     // of the token behind it
+    output wire [Y_W-1:0]    next_y,
 
     output wire              empty
 );
 
     localparam TOKEN_W = TIME_W + X_W + Y_W + 3;
-
-    // A step is at most 2^20 ticks after the token before, a token at most 2^TICK_W - 1: more bits do not count between them.
-    localparam AHEAD_W = (TICK_W > 20 ? TICK_W : 20) + 2;
-    localparam DUE_W   = AHEAD_W < TIME_W ? AHEAD_W : TIME_W;
 
     reg [TOKEN_W-1:0] tokens[0:15];
     reg               in_valid, in_event, in_skip, in_p;
@@ -69,8 +74,13 @@ module motion_queue #(
     // Negative before a step: of the token that comes to the output, and of the one that is there.
     wire [DUE_W-1:0]  until_step = next[X_W+Y_W+3+:DUE_W] - next_step[DUE_W-1:0];
     wire [DUE_W-1:0]  after_step = m_time[DUE_W-1:0] - next_step[DUE_W-1:0];
+    wire [DUE_W-1:0]  until_due   = next[X_W+Y_W+3+:DUE_W] - due_tick;
+    wire [DUE_W-1:0]  after_due   = m_time[DUE_W-1:0] - due_tick;
+    wire [DUE_W-1:0]  behind_next = next[X_W+Y_W+3+:DUE_W] - now[DUE_W-1:0];
+    wire [DUE_W-1:0]  behind      = m_time[DUE_W-1:0] - now[DUE_W-1:0];
     wire              before_step = holds ? after_step[DUE_W-1] : until_step[DUE_W-1];
 
+    assign {next_x, next_y} = next[X_W+Y_W:1];
     assign empty = !in_valid && !in_valid_2 && !any && !next_valid && !m_valid;
 
     always @(posedge clk) begin
@@ -89,7 +99,7 @@ module motion_queue #(
             tokens[written[3:0]] <= in_2;
             written              <= written + 5'd1;
         end
-        s_ready <= level < 5'd12;
+        s_ready <= level < 5'd12 && opens;
         if (reads) begin
             next_valid <= any;
             next       <= tokens[read[3:0]];
@@ -103,6 +113,8 @@ module motion_queue #(
             m_due  <= !before_step;
             m_runs <= before_step;
         end
+        m_late <= gives ? !until_due[DUE_W-1] : !after_due[DUE_W-1];
+        m_far  <= gives ? |behind_next[DUE_W-1:8] : |behind[DUE_W-1:8];
         if (holds ? !m_valid : gives && !next_valid) {m_due, m_runs} <= 2'b00;
         if (rst) begin
             in_valid   <= 1'b0;
@@ -118,7 +130,7 @@ module motion_queue #(
         end
     end
 
-    wire unused = &{1'b0, until_step, after_step, next_step};
+    wire unused = &{1'b0, until_step, after_step, until_due, after_due, behind, behind_next, next_step, now};
 
 endmodule
 

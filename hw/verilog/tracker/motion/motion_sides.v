@@ -76,7 +76,8 @@ module motion_sides #(
     output reg  [SIDE_W:0]     sum_x,
     output reg  [SIDE_W:0]     sum_y,
     output reg                 crossed_x, // hi is below lo
-    output reg                 crossed_y
+    output reg                 crossed_y,
+    output reg                 shortened  // a clock behind `shorten` for x, in the next one for y: the axis was too long
 );
 
     // ---- commands, as the axis behind, then that in front has them -------------------------------------------------------
@@ -208,6 +209,7 @@ module motion_sides #(
         part     <= apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0] >> side_shrink;
         inverted <= apart[SIDE_W];
         too_long <= spare[SIDE_W+1];
+        shortened <= long_b && too_long;
         if (!is_y) begin
             o_sides[2*SIDE_W-1:0] <= {lo_a, hi_a};
             o_refs[2*SIDE_W-1:0]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};

@@ -13,6 +13,7 @@ module motion_slot #(
     parameter SLOT_W = 3,
     parameter SIDE_W = 25,
     parameter PX_W   = 13,
+    parameter REL_W  = 10,
     parameter SUP_W  = 16,
     parameter ID_W   = 32
 ) (
@@ -20,14 +21,13 @@ module motion_slot #(
     input  wire                rst,
 
     input  wire [SLOT_W-1:0]   at,
-    input  wire                puts,         // box, window and N_ev are those of put_slot
-    input  wire [SLOT_W-1:0]   put_slot,
+    input  wire [SLOT_W-1:0]   from,         // box and window are of this slot
+    input  wire [SLOT_W-1:0]   e_slot,       // what takes effect, of this one
 
     // commands
-    input  wire                take,         // support, of the event that completed a correction
-    input  wire                load,         // what memory has, and the marks that were read
-    input  wire                load_support, // with it: the support that was read
-    input  wire                unite,        // with it, in place of that: both supports; all sides are marked, partners forgotten
+    input  wire                load,         // what memory has
+    input  wire                begin_job,    // with it: the marks and the support that come with the job
+    input  wire                unite,        // with it: both supports; all sides are marked, partners forgotten
     input  wire                seed,         // a candidate begins
     input  wire                offset,       // a correction: marks are cleared, looks counted
     input  wire                count,        // it is counted; the next N_ev
@@ -40,11 +40,14 @@ module motion_slot #(
     input  wire                keep_id,      // the next id, or with `resume` that of the slot that `at` has left,
     input  wire                resume,
     input  wire                keep_start,   // the place at the fourth correction
+    input  wire                finish,       // what takes effect
 
     // operands
-    input  wire [SUP_W-1:0]    job_support,
-    input  wire [SUP_W-1:0]    r_support,
-    input  wire [3:0]          r_marks,
+    input  wire [SUP_W-1:0]    job_owned,
+    input  wire [3:0]          job_marks,
+    input  wire [4*SIDE_W-1:0] sides,
+    input  wire [4*SIDE_W-1:0] moves,        // how far they move as they take effect
+    input  wire [1:0]          state,
     input  wire [PX_W-1:0]     length_x,
     input  wire [PX_W-1:0]     length_y,
     input  wire                meets_now,
@@ -54,6 +57,7 @@ module motion_slot #(
     input  wire [23:0]         usual,
     input  wire [4*PX_W-1:0]   box,
     input  wire [4*PX_W-1:0]   window,
+    input  wire [2*REL_W-1:0]  middle,       // of the box, half pixels, y and x
     input  wire                ran,          // run_next is that of x; in the next clock, of y
     input  wire [3:0]          run_next,
     input  wire [2*SIDE_W+1:0] start,        // sums of both sides, x, y
@@ -70,7 +74,8 @@ module motion_slot #(
     output reg  [3:0]          gain,
     output reg  [3:0]          room,         // so much of it corrections that go one way may take off
     output reg  [7:0]          runs,         // how many did, y and x
-    output reg                 look_due,     // with the next correction bins are looked at
+    output reg                 look_due,     // with the next correction bins are looked at, and cleared,
+    output reg                 merged,       // or only cleared
     output reg                 meets,
     output reg  [3:0]          hidden,       // sides: hi and lo of y, hi and lo of x
     output reg  [3:0]          marks,
@@ -79,6 +84,9 @@ module motion_slot #(
     output reg  [9:0]          log2,         // of bins, y and x
 
     // what memory has
+    output wire [4*SIDE_W-1:0] q_sides,
+    output wire [4*SIDE_W-1:0] q_moves,
+    output wire [SUP_W-1:0]    q_support,
     output wire                q_meets,
     output wire [31:0]         q_v,
     output wire [4*SIDE_W-1:0] q_refs,
@@ -87,7 +95,14 @@ module motion_slot #(
     output wire [2*SIDE_W+1:0] q_start,
     output wire [4*PX_W-1:0]   p_box,
     output wire [4*PX_W-1:0]   p_window,
-    output wire [9:0]          p_n_ev
+
+    // what takes effect
+    output wire [1:0]          e_state,
+    output wire [4*SIDE_W-1:0] e_moves,
+    output wire [3:0]          e_marks,
+    output wire [3:0]          e_hidden,
+    output wire [2*REL_W-1:0]  e_middle,
+    output wire [9:0]          e_n_ev
 );
 
     reg  [7:0]        looked;
@@ -109,22 +124,32 @@ module motion_slot #(
 
     reg  [5:0]     slow;        // corrections, slower
     reg  [3:0]     least_gain;  // g, alone
-    wire [SUP_W:0] both_support = {1'b0, support} + {1'b0, r_support};
+    wire           q_merged;
+    wire [SUP_W:0] sum_support = {1'b0, q_support} + {1'b0, unite ? support : begin_job ? job_owned : {SUP_W{1'b0}}};
 
     motion_context #(
         .SLOT_W(SLOT_W),
         .SIDE_W(SIDE_W),
         .PX_W  (PX_W),
+        .REL_W (REL_W),
+        .SUP_W (SUP_W),
         .ID_W  (ID_W)
     ) u_context (
         .clk          (clk),
         .at           (at),
-        .puts         (puts),
-        .put_slot     (put_slot),
+        .from         (from),
+        .e_slot       (e_slot),
         .keep         (keep),
         .keep_window  (keep_window),
         .keep_id      (keep_id),
         .keep_start   (keep_start),
+        .finish       (finish),
+        .sides        (sides),
+        .moves        (moves),
+        .support      (support),
+        .merged       (merged),
+        .marks        (marks),
+        .state        (state),
         .v            (v),
         .refs         (refs),
         .corrections  (corrections),
@@ -138,9 +163,14 @@ module motion_slot #(
         .usual        (usual),
         .box          (box),
         .window       (window),
+        .middle       (middle),
         .id           (resume ? q_id : births),
         .start        (start),
         .log2         (log2),
+        .q_sides      (q_sides),
+        .q_moves      (q_moves),
+        .q_support    (q_support),
+        .q_merged     (q_merged),
         .q_v          (q_v),
         .q_refs       (q_refs),
         .q_corrections(q_corrections),
@@ -157,16 +187,21 @@ module motion_slot #(
         .q_start      (q_start),
         .p_box        (p_box),
         .p_window     (p_window),
-        .p_n_ev       (p_n_ev)
+        .e_state      (e_state),
+        .e_moves      (e_moves),
+        .e_marks      (e_marks),
+        .e_hidden     (e_hidden),
+        .e_middle     (e_middle),
+        .e_n_ev       (e_n_ev)
     );
 
     // Bins of 2^n pixels, eight to sixteen for the whole side.
-    function [4:0] bin_log2;
+    function [4:0] log2_of;
         input [PX_W-1:0] length;
         integer k;
         begin
-            bin_log2 = 5'd0;
-            for (k = 5; k <= PX_W; k = k + 1) if (length[k-1]) bin_log2 = k[4:0] - 5'd4;
+            log2_of = 5'd0;
+            for (k = 5; k <= PX_W; k = k + 1) if (length[k-1]) log2_of = k[4:0] - 5'd4;
         end
     endfunction
 
@@ -175,12 +210,14 @@ module motion_slot #(
         least_gain <= slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
         gain     <= least_gain + {3'd0, meets};
         room     <= meets || gain_fast == 4'd0 || least_gain < gain_fast ? 4'd0 : least_gain - gain_fast;
-        look_due <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
-        next_log2 <= {bin_log2(length_y), bin_log2(length_x)};
+        look_due <= gap_corrections != 8'd0 && (merged || {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections});
+        next_log2 <= {log2_of(length_y), log2_of(length_x)};
         outline  <= {1'b0, length_x} + {1'b0, length_y};
 
         if (load) begin
-            marks       <= r_marks;
+            marks       <= begin_job ? job_marks : 4'd0;
+            support     <= sum_support[SUP_W] ? {SUP_W{1'b1}} : sum_support[SUP_W-1:0];
+            merged      <= q_merged;
             hidden      <= q_hidden;
             meets       <= q_meets;
             runs        <= q_runs;
@@ -192,9 +229,6 @@ module motion_slot #(
             together    <= q_together;
             log2        <= q_log2;
         end
-        if (take) support <= job_support;
-        if (load && load_support) support <= r_support;
-        if (unite) support <= both_support[SUP_W] ? {SUP_W{1'b1}} : both_support[SUP_W-1:0];
         if (seed) begin
             support     <= {{(SUP_W - 1) {1'b0}}, 1'b1};
             marks       <= 4'd0;
@@ -215,6 +249,7 @@ module motion_slot #(
         end
         if (begin_bins) begin
             looked <= 8'd0;
+            merged <= 1'b0;
             log2   <= next_log2;
         end
         ran_x <= ran;
@@ -230,7 +265,7 @@ module motion_slot #(
             meets  <= meets_now;
             hidden <= hidden_now;
         end
-        if (unite) marks <= 4'hf;
+        if (unite) {merged, marks} <= 5'h1f;
         if (seed || unite) begin
             has_partner <= 1'b0;
             together    <= 16'd0;

@@ -4,9 +4,10 @@
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    a clock of a free slot, 10 of one whose track may return, 65 of one that lives; 37 for each one that it is compared with.
+// Latency:    from start to done 20 clocks for a slot whose track may return, 45 for one that lives, 5 more if it is too long. That one takes a clock for each other
+//             slot that is not free, 30 for each one that it is compared with, 4 if there is any, and more if it merges or ends.
 // Throughput: one at a time.
-// Stall:      waits for its operations, and for its records to be accepted.
+// Stall:      waits for its records to be accepted, and for masks of the window before to be written.
 // Reset:      waits for a start.
 // Combinational paths: none.
 `default_nettype none
@@ -19,23 +20,19 @@ module motion_step #(
     input  wire              clk,
     input  wire              rst,
 
-    input  wire              start,        // a motion step of work_slot, while nothing is under way, nor was in the clock before
-    input  wire              end_life,     // or its life ends at once
+    input  wire              start,        // a motion step of work_slot, which is not free, while nothing else is done
+    input  wire              end_life,     // with it: its life ends at once
     input  wire [SLOT_W-1:0] work_slot,
     output reg               rests,
+    output reg               done,
     output reg  [SLOT_W-1:0] at,           // the slot that is worked on, or compared
     output wire [SLOT_W-1:0] this_slot,    // the one whose step it is
 
-    // operations: see motion_events.v
-    output reg               op_valid,
-    input  wire              op_ready,
-    output reg               op_all,       // all is written, else read
-    input  wire              read_done,
-    input  wire              store_done,
+    output reg               fetch,        // the slot `at` is read,
+    input  wire              read_done,    // and was
 
     // merging: see motion_merge.v
     output reg               merge,
-    output reg  [SLOT_W-1:0] stays,
     output reg  [SLOT_W-1:0] goes,
     input  wire              merged,
 
@@ -52,7 +49,10 @@ module motion_step #(
     input  wire              dividing,
     input  wire              enough,
     input  wire              overdue,
+    input  wire              too_long,     // an axis was: x a clock behind c_shorten, y in the next one
+    input  wire              window_soon,  // in two clocks it is
     input  wire              window_done,
+    input  wire              mask_busy,    // the window of another slot is still being written to masks, and must stay
     input  wire              pair_done,
     input  wire              alike,
     input  wire              weaker,       // than the one that was read, two clocks before
@@ -75,6 +75,7 @@ module motion_step #(
     output reg               c_rub,
     output reg               c_shorten,
     output reg               c_window,
+    output reg               c_follow,     // with it: the stated velocity
     output reg               widest,       // that window is for what may return
     output reg               c_compare,
     output reg               c_pair,
@@ -105,12 +106,12 @@ module motion_step #(
     localparam [1:0] REPORTED = 2'd3;
 
     localparam [4:0] REST    = 5'd0;   // waits for a start
-    localparam [4:0] FETCH   = 5'd2;   // reads it
     localparam [4:0] AGE     = 5'd3;   // has its life ended?
     localparam [4:0] FETCHED = 5'd4;
     localparam [4:0] AGED    = 5'd5;
     localparam [4:0] MOVE    = 5'd6;   // moves it
-    localparam [4:0] LONG    = 5'd7;   // where it is too long, it is shortened; then what has changed is noted
+    localparam [4:0] LONG    = 5'd7;   // where it is too long, it is shortened
+    localparam [4:0] LENGTH  = 5'd2;   // then what has changed is noted
     localparam [4:0] PLACE   = 5'd8;   // box and window
     localparam [4:0] WINDOW  = 5'd9;   // waits for them
     localparam [4:0] SCAN    = 5'd10;  // compares it with those near: the next one
@@ -133,7 +134,6 @@ module motion_step #(
     localparam [4:0] SAY     = 5'd27;  // hands over a record
     localparam [4:0] LAPSE   = 5'd28;  // the slot becomes free
     localparam [4:0] DONE    = 5'd29;  // writes the slot back
-    localparam [4:0] WRITTEN = 5'd30;
     localparam [4:0] DECIDE  = 5'd1;   // what becomes of it, by what it touches
 
     reg [4:0] state;
@@ -144,11 +144,11 @@ module motion_step #(
     reg              over, again;    // its time is over; its box has grown since it was first compared
     reg              back;           // it is a track that was lost
     reg              touching;       // a candidate was united with another one, not with its partner
-    reg              stored, shortened, other_older;
+    reg              shortened, other_older;
+    reg              too_long_x;     // too_long, a clock later
     reg [2:0]        places;         // box and window are asked for, when what follows from the lengths is there
     reg              reads;          // the slot whose step it is, is being read
     wire [N-1:0]     lives      = visible | candidate;
-    reg  [N-1:0]     taken;          // has a track, or one that may return; a clock late
     reg              at_left;        // the slot that is worked on has one that may return
     reg  [N-1:0]     others;         // that it may be compared with
     reg  [N-1:0]     ahead;          // of these, those near that were not compared
@@ -158,7 +158,7 @@ module motion_step #(
     reg              is_visible;     // the slot whose step it is,
     reg              young;          // and it has less than four corrections
     reg              other_visible;  // the one that it is compared with
-    reg              stayed;         // of two that became one, the slot whose step it is stays
+    reg              stays;          // what may return has done so before: its time is not changed
     wire             goes_on    = !pause[0];
     reg              departs;        // what is lost in a step may return
     wire             leaves     = kind == `EVCOT_KIND_LOST && departs;  // with the record
@@ -186,16 +186,15 @@ module motion_step #(
     always @(posedge clk) begin
         {c_reflect, c_move, c_rub, c_shorten, c_compare, c_pair, c_part, c_take, c_divide} <= 9'd0;
         {c_window, places} <= {places, 1'b0};
+        c_follow <= places[2] && !widest && (is_visible || !young);
         {c_ask, c_meet, merge, appear, lapse, leave, c_leave, say, keep, keep_now, keep_until, keep_window} <= 12'd0;
-        if (op_ready) op_valid <= 1'b0;
-        if (store_done) stored <= 1'b1;
+        {fetch, done} <= 2'b00;
         shortened <= c_shorten;
         if (shortened) c_reflect <= 1'b1;
+        too_long_x <= too_long;
         departs    <= may_return && !alone;
         is_visible <= visible[this_slot];
         other_visible <= visible[this_other];
-        stayed  <= stays == this_slot;
-        taken   <= lives | left;
         at_left <= left[at];
         young      <= corrections < 6'd4;
         others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
@@ -203,23 +202,19 @@ module motion_step #(
         pause <= {1'b0, pause[6:1]};
         if (goes_on) case (state)
             REST: begin
-                alone <= end_life;
-                at    <= work_slot;
-                if ((start || end_life) && taken[work_slot]) begin
-                    rests <= 1'b0;
-                    state <= FETCH;
-                end
-            end
-            FETCH: begin
-                op_valid <= 1'b1;
-                op_all   <= 1'b0;
-                reads    <= 1'b1;
+                alone    <= end_life;
+                at       <= work_slot;
+                since    <= UNTIL;
+                stays    <= 1'b0;
                 compared <= 1'b0;
                 widest   <= 1'b0;
                 back     <= 1'b0;
-                since    <= UNTIL;
-                pause    <= clocks(3'd3);
-                state    <= AGE;
+                if (start) begin
+                    rests <= 1'b0;
+                    reads <= 1'b1;
+                    pause <= clocks(3'd2);
+                    state <= AGE;
+                end
             end
             AGE: begin
                 over  <= ended;
@@ -234,19 +229,20 @@ module motion_step #(
             end
             AGED: begin
                 kind      <= `EVCOT_KIND_LOST;
-                pause     <= !over && !alone ? 7'd0 : clocks(3'd4);
+                pause     <= clocks(!over && !alone ? 3'd2 : 3'd4);  // how long it has been silent; the record
                 state     <= !over && !alone ? MOVE : is_visible ? SAY : LAPSE;
                 c_leave   <= 1'b1;  // of use if it leaves
                 if (!over && !alone && at_left) begin
-                    pause <= 7'd0;
-                    rests <= 1'b1;
-                    state <= REST;
+                    pause  <= 7'd0;
+                    stays  <= 1'b1;
+                    widest <= 1'b1;
+                    state  <= PLACE;
                 end
             end
             LAPSE: begin
                 lapse <= 1'b1;
-                rests <= 1'b1;
-                state <= REST;
+                pause <= clocks(3'd2);
+                state <= DONE;
             end
 
             MOVE: begin
@@ -257,23 +253,38 @@ module motion_step #(
             end
             LONG: begin
                 c_shorten <= 1'b1;
-                pause     <= clocks(3'd7);
-                state     <= PLACE;
+                pause     <= clocks(3'd2);
+                state     <= LENGTH;
             end
-            PLACE: begin
+            LENGTH:
+            if (too_long_x || too_long) begin
+                pause <= clocks(3'd4);
+                state <= PLACE;
+            end else if (!mask_busy) begin
                 places[0] <= 1'b1;
                 state     <= WINDOW;
             end
-            WINDOW:
-            if (window_done) begin
-                keep_window <= 1'b1;
-                state       <= MEET;
-                if (widest) begin
-                    lapse      <= 1'b1;
-                    leave      <= 1'b1;
-                    since      <= UNTIL;
-                    keep_until <= 1'b1;
-                    state      <= DONE;
+            PLACE:
+            if (!mask_busy) begin
+                places[0] <= 1'b1;
+                state     <= WINDOW;
+            end
+            WINDOW: begin
+                again   <= 1'b0;
+                c_ask   <= window_soon && !widest;
+                c_touch <= 1'b1;
+                if (window_done) begin
+                    keep_window <= !stays;  // a slot that stays left keeps box and window, although events have moved its sides
+                    since       <= is_visible ? REPORTED : SEEDED;
+                    pause       <= clocks(3'd2);
+                    state       <= SINCE;
+                    if (widest) begin
+                        lapse      <= !stays;
+                        leave      <= 1'b1;
+                        since      <= UNTIL;
+                        keep_until <= !stays;
+                        state      <= DONE;
+                    end
                 end
             end
 
@@ -289,9 +300,8 @@ module motion_step #(
                 end
             end
             COMPARE: begin
-                op_valid <= 1'b1;
-                op_all   <= 1'b0;
-                state    <= PAIR;
+                fetch <= 1'b1;
+                state <= PAIR;
             end
             PAIR:
             if (read_done) begin
@@ -325,14 +335,12 @@ module motion_step #(
             STEPS:
             if (!dividing) begin
                 touching <= 1'b0;
-                stays    <= this_slot;
                 goes     <= this_other;
-                if (is_visible != other_visible ? other_visible : keep_older ? other_older : weaker) begin
-                    stays <= this_other;
-                    goes  <= this_slot;
+                state    <= MEET;
+                if (enough && !(is_visible != other_visible ? other_visible : keep_older ? other_older : weaker)) begin
+                    merge <= 1'b1;
+                    state <= MERGE;
                 end
-                merge <= enough;
-                state <= enough ? MERGE : MEET;
             end
 
             MEET: begin
@@ -370,9 +378,8 @@ module motion_step #(
                 end
             end
             TOUCH: begin
-                op_valid <= 1'b1;
-                op_all   <= 1'b0;
-                state    <= TOUCHED;
+                fetch <= 1'b1;
+                state <= TOUCHED;
             end
             TOUCHED:
             if (read_done) begin
@@ -382,22 +389,17 @@ module motion_step #(
             end
             UNITE: begin
                 touching <= 1'b1;
-                stays    <= weaker ? this_other : this_slot;
-                goes     <= weaker ? this_slot : this_other;
-                merge    <= 1'b1;
-                state    <= MERGE;
+                goes     <= this_other;
+                merge    <= !weaker;
+                state    <= weaker ? DONE : MERGE;
             end
             MERGE:
             if (merged) begin
                 since   <= SEEDED;
                 again   <= 1'b1;
                 c_touch <= 1'b0;
-                c_ask   <= stayed && touching;
+                c_ask   <= touching;
                 state   <= touching ? MET : MEET;
-                if (!stayed) begin
-                    rests <= 1'b1;
-                    state <= REST;
-                end
             end
             REPORT:
             if (!dividing) begin
@@ -424,20 +426,13 @@ module motion_step #(
                 say       <= 1'b1;
                 since     <= REPORTED;
                 keep_now  <= 1'b1;
-                places[0] <= leaves;
                 widest    <= leaves;
-                state     <= kind != `EVCOT_KIND_LOST ? DONE : leaves ? WINDOW : LAPSE;
+                state     <= kind != `EVCOT_KIND_LOST ? DONE : leaves ? PLACE : LAPSE;
             end
 
             DONE: begin
-                op_valid <= 1'b1;
-                op_all   <= 1'b1;
-                stored   <= 1'b0;
-                keep     <= 1'b1;
-                state    <= WRITTEN;
-            end
-            WRITTEN:
-            if (stored) begin
+                keep  <= 1'b1;
+                done  <= 1'b1;
                 rests <= 1'b1;
                 state <= REST;
             end
@@ -451,7 +446,6 @@ module motion_step #(
             state    <= REST;
             rests    <= 1'b1;
             pause    <= 7'd0;
-            op_valid <= 1'b0;
             reads    <= 1'b0;
             places   <= 3'd0;
         end

@@ -35,6 +35,7 @@ module motion_window #(
     input  wire [7:0]               ring_px,
     input  wire [7:0]               ring_max,
 
+    output wire                     soon,      // the box is there, and two clocks later the window
     output reg                      done,
     output reg                      is_long_x, // it is at least `elongation` times as long as the other axis
     output reg                      is_long_y,
@@ -72,6 +73,7 @@ module motion_window #(
     wire signed [PX_W:0]     spare  = {{(PX_W - 8) {room[8]}}, room} - {1'b0, part};  // negative where the ring is as wide as it may be
     wire signed [PX_W-1:0]   wide   = {{(PX_W - 8) {1'b0}}, ring};
 
+    assign soon = step[3];
     assign box = {low_x, high_x, low_y, high_y};
 
     multiplier #(

@@ -2,14 +2,14 @@
 // All that is done to a slot, one slot at a time: a candidate is placed, a correction computed, a motion step gone through.
 //
 // Three parts say what is done and when, one of them at a time: motion_correct.v, motion_step.v and, within a step, motion_merge.v. The
-// others do it: the slot that is worked on is in motion_sides.v, motion_times.v and motion_slot.v. What events change of it is read and
-// written by operations in their pipeline, motion_events.v.
+// others do it: the slot that is worked on is in motion_sides.v, motion_times.v and motion_slot.v. What events have changed of it comes
+// with the job.
 //
 // Latency:    from job_valid to job_done: see motion_correct.v.
 // Throughput: a job at a time; a step: see motion_step.v.
-// Stall:      a job waits for its operations and for its record to be accepted.
+// Stall:      a job waits for its records to be accepted.
 // Reset:      waits for a job.
-// Combinational paths: none.
+// Combinational paths: job_slot -> ends.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "motion_fields.vh"
@@ -21,70 +21,50 @@ module motion_work #(
     parameter Y_W    = 9,
     parameter SIDE_W = 25,
     parameter PX_W   = 13,
+    parameter REL_W  = 10,  // bits of a recentred address
     parameter SUP_W  = 16,
     parameter ID_W   = 32,
-    parameter SEQ_W  = 48,
     parameter TIME_W = 48
 ) (
     input  wire                clk,
     input  wire                rst,
 
-    // what is to be done
-    input  wire                job_valid,     // a slot waits for a correction, or a candidate begins
+    // a job, which stays until it is done: see motion_jobs.v
+    input  wire                job_valid,
     output wire                job_done,
-    input  wire                job_seed,
+    input  wire                job_real,
+    input  wire                job_pauses,
+    input  wire [1:0]          job_kind,
     input  wire [SLOT_W-1:0]   job_slot,
-    input  wire [X_W-1:0]      job_x,         // from here on, of a job: two clocks behind it, see motion_waiting.v
+    input  wire                job_waits,
+    input  wire [X_W-1:0]      job_x,         // of a seed,
     input  wire [Y_W-1:0]      job_y,
-    input  wire [SUP_W-1:0]    job_support,
+    input  wire [4*SIDE_W-1:0] job_sides,     // else: of that 0
+    input  wire [3:0]          job_marks,
+    input  wire [SUP_W-1:0]    job_owned,
     input  wire [TIME_W-1:0]   job_time,
-    input  wire [SEQ_W-1:0]    job_seq,
-    input  wire                do_step,       // a motion step of work_slot, while nothing is under way
-    input  wire                do_end,        // or its life ends at once
-    input  wire [SLOT_W-1:0]   work_slot,
-    input  wire [TIME_W-1:0]   now,
-    input  wire [TIME_W-1:0]   paused,        // what does not count for deadlines; it changes with do_step alone
-    input  wire [SEQ_W-1:0]    seq,
-    output wire                rests,         // nothing is being done
-    input  wire                puts,          // box and window of put_slot may be put in force, and no step is under way
-    input  wire [SLOT_W-1:0]   put_slot,
+    output wire                finish,        // it is, and something was computed
+    output wire                ends,          // it ends `at`, another slot
 
-    // slots
-    output wire [N-1:0]        visible,
-    output wire [N-1:0]        candidate,
-    output wire [N-1:0]        left,          // lost, but it may return
-    input  wire                begins,        // a candidate is in force
-    input  wire [SLOT_W-1:0]   begins_slot,
+    // masks of job_slot: see motion_match.v
+    output wire                mask,
+    output wire [4*PX_W-1:0]   box,
+    output wire [4*PX_W-1:0]   window,
+    input  wire                mask_busy,
 
-    // operations: see motion_events.v
-    output wire                op_valid,
-    output wire                op_beside,     // of a job, not of a step
-    input  wire                op_ready,
-    output wire                op_read,
-    output wire                op_store,
-    output wire                op_full,
-    output wire                op_put,
+    // what takes effect of e_slot, two clocks later
+    input  wire [SLOT_W-1:0]   e_slot,
+    output wire [1:0]          e_state,
+    output wire [4*SIDE_W-1:0] e_moves,
+    output wire [3:0]          e_marks,
+    output wire [3:0]          e_hidden,
+    output wire [2*REL_W-1:0]  e_middle,
+    output wire [9:0]          e_n_ev,
+
+    // a bin of `at` is cleared
     output wire                op_clear,
-    output wire [SLOT_W-1:0]   op_slot,
     output wire [3:0]          op_bin,
-    input  wire                read_done,
-    input  wire                store_done,
-    output wire [4*SIDE_W-1:0] o_sides,
-    output wire [3:0]          o_marks,
-    output wire [3:0]          o_hidden,
-    output wire [SUP_W-1:0]    o_support,
-    output wire [9:0]          o_log2,
-    output wire [4*PX_W-1:0]   o_box,
-    output wire [4*PX_W-1:0]   o_window,
-    output wire [9:0]          o_n_ev,
-    input  wire [4*SIDE_W-1:0] r_sides,
-    input  wire [3:0]          r_marks,
-    input  wire [SUP_W-1:0]    r_support,
-    output wire                ask,
-    output wire [4*PX_W-1:0]   ask_for,
-    input  wire [N-1:0]        in_box,
-    input  wire [N-1:0]        in_window,
-    input  wire [N-1:0]        in_line,
+    output wire [9:0]          bin_log2,      // of its bins, y and x
 
     // the search for a gap: see motion_gaps.v
     output wire                look,
@@ -108,51 +88,50 @@ module motion_work #(
     output wire [SIDE_W:0]     sum_y,
     output wire [SIDE_W-1:0]   side_x,
     output wire [SIDE_W-1:0]   side_y,
-    output wire [15:0]         v_x,
+    output wire [15:0]         v_x,           // stated
     output wire [15:0]         v_y,
     output wire [9:0]          n_ev,
-    output reg  [SEQ_W-1:0]    op_seq,
-    output reg  [TIME_W-1:0]   op_time,
+    output wire [SUP_W-1:0]    support,
 
     input  wire [`MOTION_REGS_W-1:0] regs  // registers: motion_fields.vh
 );
 
     // ---- what is done, in order ----------------------------------------------------------------------------------------
 
-    wire              begun, lane, q_meets, look_due, looks, inverse_goes_on, window_done, silent, ended, older, dividing, enough, overdue;
-    wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
+    wire              begun, lane, q_meets, look_due, merged, fetch, of_job, looks, inverse_goes_on, too_long, window_soon, window_done;
+    wire              silent, ended, older, dividing, enough, overdue, pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, returned, this_slot;
     wire [N-1:0]      nearby;
     wire [14:0]       speed_x, speed_y;
     wire [1:0]        since;
-    wire              c_loads, c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
+    wire              c_loads, c_load, c_begin_job, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
     wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
     wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
-    wire              c_resume, c_leaves, returns, ran, widest;
+    wire              c_resume, c_leaves, returns, ran, widest, c_follow, c_united;
 
     wire [31:0] v;         // velocity of the slot that is worked on: y, x
+    reg [3:1] fetches;
+    wire      read_done = fetches[3];
     reg was_read;          // what was read counts
-    reg begun_1, begun_2;  // what comes with the job is there
     reg may_return;
     reg resting;           // the velocity is 0
-    reg [TIME_W-1:0] counted;  // op_time, as it counts for deadlines
+    reg [TIME_W-1:0] paused;   // the length of all empty periods that do not count for deadlines
+    reg [TIME_W-1:0] counted;  // job_time, as it counts for deadlines
     wire instant;          // no more than a tick since the last correction
-
-    assign op_slot = at;
+    wire [1:0] state;
+    wire [N-1:0] visible, candidate, left;
 
     always @(posedge clk) begin
-        {begun_2, begun_1} <= rst ? 2'b00 : {begun_1, begun};
-        may_return         <= regs[`MOTION_RETURN_TICKS] != 24'd0;
-        resting            <= v == 32'd0;
-        counted            <= op_time - paused;
-        if (do_step || do_end) begin
-            op_time <= now;
-            op_seq  <= seq;
-        end else if (begun_2) begin
-            op_time <= job_time;
-            op_seq  <= job_seq;
+        fetches    <= {fetches[2:1], fetch};
+        may_return <= regs[`MOTION_RETURN_TICKS] != 24'd0;
+        resting    <= v == 32'd0;
+        if (begun && job_pauses) paused <= paused + ({{(TIME_W - 1) {1'b0}}, 1'b1} << regs[`MOTION_STEP_LOG2]);
+        counted    <= job_time - paused;
+        if (rst) begin
+            paused  <= {TIME_W{1'b0}};
+            fetches <= 3'd0;
         end
     end
 
@@ -165,32 +144,23 @@ module motion_work #(
         .rst         (rst),
         .job_valid   (job_valid),
         .job_done    (job_done),
-        .job_seed    (job_seed),
+        .job_real    (job_real),
+        .job_kind    (job_kind),
         .job_slot    (job_slot),
-        .do_step     (do_step),
-        .do_end      (do_end),
-        .work_slot   (work_slot),
-        .rests       (rests),
         .begun       (begun),
-        .begins      (begins),
-        .begins_slot (begins_slot),
+        .ends        (ends),
+        .finish      (finish),
+        .state       (state),
         .visible     (visible),
         .candidate   (candidate),
         .left        (left),
         .at          (at),
         .this_slot   (this_slot),
-        .op_valid    (op_valid),
-        .op_beside   (op_beside),
-        .op_ready    (op_ready),
-        .op_read     (op_read),
-        .op_store    (op_store),
-        .op_full     (op_full),
-        .op_put      (op_put),
-        .op_clear    (op_clear),
-        .op_bin      (op_bin),
+        .fetch       (fetch),
         .read_next   (read_done),
         .read_done   (was_read),
-        .store_done  (store_done),
+        .op_clear    (op_clear),
+        .op_bin      (op_bin),
         .say         (say),
         .record_free (record_free),
         .kind        (kind),
@@ -200,6 +170,7 @@ module motion_work #(
         .shrinks     (regs[`MOTION_SIDE_SHRINK] != 4'd0),
         .q_meets     (q_meets),
         .look_due    (look_due),
+        .merged      (merged),
         .instant     (instant),
         .resting     (resting),
         .looks       (looks),
@@ -207,7 +178,10 @@ module motion_work #(
         .gap_found   (gap_found),
         .low_stays   (low_stays),
         .inverse_goes_on(inverse_goes_on),
+        .too_long    (too_long),
+        .window_soon (window_soon),
         .window_done (window_done),
+        .mask_busy   (mask_busy),
         .meets       (meets),
         .silent      (silent),
         .ended       (ended),
@@ -231,7 +205,8 @@ module motion_work #(
         .corrections (corrections),
         .loads       (c_loads),
         .load        (c_load),
-        .load_support(c_load_support),
+        .begin_job   (c_begin_job),
+        .of_job      (of_job),
         .unite       (c_unite),
         .seed        (c_seed),
         .shrink      (c_shrink),
@@ -271,6 +246,8 @@ module motion_work #(
         .keep_id     (c_keep_id),
         .resume      (c_resume),
         .keep_start  (c_keep_start),
+        .follow      (c_follow),
+        .united      (c_united),
         .look        (look),
         .look_y      (look_y),
         .since       (since)
@@ -278,19 +255,41 @@ module motion_work #(
 
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
-    // What was read, and what counts, a clock later.
+    // What was read, and what counts, a clock later. A job begins with the sides in effect, as far as its last job moves them.
     reg                 known;  // the velocity of the slot counts
-    reg  [4*SIDE_W-1:0] read_sides;
-    reg  [3:0]          read_marks;
-    reg  [SUP_W-1:0]    read_support, other_support;
+    reg  [4*SIDE_W-1:0] read_sides, moves;
+    reg  [SUP_W-1:0]    other_support;
+    wire [4*SIDE_W-1:0] q_sides, q_moves, o_sides;
+    wire [SUP_W-1:0]    q_support;
+    wire [3:0]          o_marks;
+    wire [4*SIDE_W-1:0] begun_sides;  // those with which the job begins
+    integer             k;
+
+    genvar i;
+    generate
+        for (i = 0; i < 4; i = i + 1) begin : g_side
+            array_sum #(
+                .W    (SIDE_W),
+                .ROUND(0)
+            ) u_begun (
+                .a     (job_sides[i*SIDE_W+:SIDE_W]),
+                .choice(job_waits),
+                .one   ({q_moves[i*SIDE_W+:SIDE_W], 1'b0}),
+                .other ({(SIDE_W + 1) {1'b0}}),
+                .y     (begun_sides[i*SIDE_W+:SIDE_W])
+            );
+        end
+    endgenerate
 
     always @(posedge clk) begin
-        was_read     <= read_done;
-        known        <= visible[at] || corrections >= 6'd4;
-        if (read_done) read_sides <= r_sides;
-        read_marks   <= r_marks;
-        read_support <= r_support;
-        if (was_read) other_support <= read_support;
+        was_read <= read_done;
+        known    <= visible[at] || corrections >= 6'd4;
+        for (k = 0; k < 4; k = k + 1) begin
+            if (read_done)
+                read_sides[k*SIDE_W+:SIDE_W] <= of_job ? begun_sides[k*SIDE_W+:SIDE_W] : q_sides[k*SIDE_W+:SIDE_W];
+            moves[k*SIDE_W+:SIDE_W] <= o_sides[k*SIDE_W+:SIDE_W] - job_sides[k*SIDE_W+:SIDE_W];
+        end
+        if (was_read) other_support <= q_support;
         if (rst) was_read <= 1'b0;
     end
 
@@ -303,17 +302,30 @@ module motion_work #(
     wire [TIME_W-1:0]   age;
     wire [SIDE_W:0]     sum_lane, ref_lo, ref_hi;
     wire [15:0]         v_lane, v_next, together;
-    wire [3:0]          gain, room, run_next, hidden_now;
+    wire [3:0]          gain, room, run_next, hidden_now, hidden;
     wire [7:0]          runs;
     wire                meets_now;
-    wire [4*PX_W-1:0]   box, window;
+    wire [4*PX_W-1:0]   other_box, other_window;
+    reg  [PX_W+REL_W-1:0] middle_x, middle_y;  // of the box, half pixels: the lower part counts
+    wire                asks;
+    wire [SLOT_W-1:0]   asked;
     wire [PX_W-1:0]     cut_px;
     wire                is_long_x, is_long_y;
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
 
-    assign {v_y, v_x} = v;
-    assign look_log2  = look_y ? o_log2[9:5] : o_log2[4:0];
+    function [PX_W+REL_W-1:0] wide;
+        input [PX_W-1:0] bound;
+        wide = {{REL_W{bound[PX_W-1]}}, bound};
+    endfunction
+
+    always @(posedge clk) begin
+        middle_x <= wide(box[3*PX_W+:PX_W]) + wide(box[2*PX_W+:PX_W]);
+        middle_y <= wide(box[PX_W+:PX_W]) + wide(box[0+:PX_W]);
+    end
+
+    assign mask       = window_soon && !widest;
+    assign look_log2  = look_y ? bin_log2[9:5] : bin_log2[4:0];
 
     motion_sides #(
         .X_W   (X_W),
@@ -365,24 +377,44 @@ module motion_work #(
         .sum_x      (sum_x),
         .sum_y      (sum_y),
         .crossed_x  (crossed_x),
-        .crossed_y  (crossed_y)
+        .crossed_y  (crossed_y),
+        .shortened  (too_long)
+    );
+
+    motion_pace #(
+        .SLOT_W(SLOT_W),
+        .SIDE_W(SIDE_W)
+    ) u_pace (
+        .clk   (clk),
+        .rst   (rst),
+        .at    (at),
+        .begins(c_keep_start),
+        .settle(c_united),
+        .follow(c_follow),
+        .v     (v),
+        .sum_x (sum_x),
+        .sum_y (sum_y),
+        .side_x(side_x),
+        .side_y(side_y),
+        .v_x   (v_x),
+        .v_y   (v_y)
     );
 
     motion_slot #(
         .SLOT_W(SLOT_W),
         .SIDE_W(SIDE_W),
         .PX_W  (PX_W),
+        .REL_W (REL_W),
         .SUP_W (SUP_W),
         .ID_W  (ID_W)
     ) u_slot (
         .clk            (clk),
         .rst            (rst),
         .at             (at),
-        .puts           (puts),
-        .put_slot       (put_slot),
-        .take           (begun_2),
+        .from           (asks ? asked : at),
+        .e_slot         (e_slot),
         .load           (c_loads),
-        .load_support   (c_load_support),
+        .begin_job      (c_begin_job),
         .unite          (c_unite),
         .seed           (c_seed),
         .offset         (c_offset),
@@ -396,9 +428,12 @@ module motion_work #(
         .keep_id        (c_keep_id),
         .resume         (c_resume),
         .keep_start     (c_keep_start),
-        .job_support    (job_support),
-        .r_support      (read_support),
-        .r_marks        (read_marks),
+        .finish         (finish),
+        .job_owned      (job_owned),
+        .job_marks      (job_kind[1] ? 4'd0 : job_marks),
+        .sides          (o_sides),
+        .moves          (moves),
+        .state          (state),
         .length_x       (length_x),
         .length_y       (length_y),
         .meets_now      (meets_now),
@@ -408,6 +443,7 @@ module motion_work #(
         .usual          (usual),
         .box            (box),
         .window         (window),
+        .middle         ({middle_y[REL_W-1:0], middle_x[REL_W-1:0]}),
         .ran            (ran),
         .run_next       (run_next),
         .start          ({sum_x, sum_y}),
@@ -417,27 +453,36 @@ module motion_work #(
         .gain_slow      (regs[`MOTION_GAIN_SLOW]),
         .gain_fast      (regs[`MOTION_GAIN_FAST]),
         .gap_corrections(regs[`MOTION_GAP_CORRECTIONS]),
-        .support        (o_support),
+        .support        (support),
         .corrections    (corrections),
         .gain           (gain),
         .room           (room),
         .runs           (runs),
         .look_due       (look_due),
+        .merged         (merged),
         .meets          (meets),
-        .hidden         (o_hidden),
+        .hidden         (hidden),
         .marks          (o_marks),
         .n_ev           (n_ev),
         .together       (together),
-        .log2           (o_log2),
+        .log2           (bin_log2),
+        .q_sides        (q_sides),
+        .q_moves        (q_moves),
+        .q_support      (q_support),
         .q_meets        (q_meets),
         .q_v            (q_v),
         .q_refs         (q_refs),
         .q_usual        (q_usual),
         .q_id           (id),
         .q_start        (q_start),
-        .p_box          (o_box),
-        .p_window       (o_window),
-        .p_n_ev         (o_n_ev)
+        .p_box          (other_box),
+        .p_window       (other_window),
+        .e_state        (e_state),
+        .e_moves        (e_moves),
+        .e_marks        (e_marks),
+        .e_hidden       (e_hidden),
+        .e_middle       (e_middle),
+        .e_n_ev         (e_n_ev)
     );
 
     motion_times #(
@@ -450,7 +495,7 @@ module motion_work #(
         .since       (since),
         .keep_now    (c_keep_now),
         .keep_until  (c_keep_until),
-        .now         (op_time),
+        .now         (job_time),
         .counted     (counted),
         .age         (age),
         .ended       (ended),
@@ -567,6 +612,7 @@ module motion_work #(
         .ring_any   (regs[`MOTION_RING_ANY]),
         .ring_px    (regs[`MOTION_RING_PX]),
         .ring_max   (regs[`MOTION_RING_MAX]),
+        .soon       (window_soon),
         .done       (window_done),
         .is_long_x  (is_long_x),
         .is_long_y  (is_long_y),
@@ -584,10 +630,10 @@ module motion_work #(
         .rst          (rst),
         .start        (c_compare),
         .one_box      (box),
-        .one_v_x      (v_x),
-        .one_v_y      (v_y),
-        .one_support  (o_support),
-        .other_box    (o_box),
+        .one_v_x      (v[15:0]),
+        .one_v_y      (v[31:16]),
+        .one_support  (support),
+        .other_box    (other_box),
         .other_v_x    (q_v[15:0]),
         .other_v_y    (q_v[31:16]),
         .other_support(other_support),
@@ -614,11 +660,12 @@ module motion_work #(
         .left     (left),
         .box      (box),
         .window   (window),
-        .ask      (ask),
-        .ask_for  (ask_for),
-        .in_box   (in_box),
-        .in_window(in_window),
-        .in_line  (in_line),
+        .join_reach(regs[`MOTION_JOIN_REACH]),
+        .join_px  (regs[`MOTION_JOIN_PX]),
+        .asks     (asks),
+        .asked    (asked),
+        .other_box(other_box),
+        .other_window(other_window),
         .done     (meet_done),
         .nearby   (nearby),
         .meets    (meets_now),
@@ -643,7 +690,7 @@ module motion_work #(
         .side_y       (side_y),
         .start        (q_start),
         .young        (crossed_x || crossed_y || corrections < 6'd4),
-        .support      (o_support),
+        .support      (support),
         .age          (age),
         .birth_support(regs[`MOTION_BIRTH_SUPPORT]),
         .birth_px     (regs[`MOTION_BIRTH_PX]),
@@ -652,7 +699,7 @@ module motion_work #(
         .appears      (appears)
     );
 
-    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE]};
+    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden, middle_x, middle_y};
 
 endmodule
 

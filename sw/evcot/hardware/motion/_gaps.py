@@ -13,6 +13,8 @@ from ._state import (
     BINS_Y,
     CORRECTIONS,
     ELONGATION,
+    EV_LO_X,
+    EV_LO_Y,
     GAP_CORRECTIONS,
     GAP_PX,
     GAP_SHARE,
@@ -47,8 +49,8 @@ def clear_bins(s: Table, i: int) -> None:
 @step
 def count_in_bins(s: Table, i: int, x: int, y: int) -> None:
     """Count an event in both histograms, in the box's own frame."""
-    bin_x = (x - ((s[i, LO_X] + (ONE >> 1)) >> SUB)) >> s[i, BIN_LOG2_X]
-    bin_y = (y - ((s[i, LO_Y] + (ONE >> 1)) >> SUB)) >> s[i, BIN_LOG2_Y]
+    bin_x = (x - ((s[i, EV_LO_X] + (ONE >> 1)) >> SUB)) >> s[i, BIN_LOG2_X]
+    bin_y = (y - ((s[i, EV_LO_Y] + (ONE >> 1)) >> SUB)) >> s[i, BIN_LOG2_Y]
     if 0 <= bin_x < BINS:
         s[i, BINS_X + bin_x] += 1
     if 0 <= bin_y < BINS:
@@ -101,6 +103,9 @@ def look_for_gaps(s: Table, r: Table, i: int) -> None:
     gap counts in a long box, if it is half as long as the box is wide.
     """
     if r[GAP_CORRECTIONS] == 0:
+        return
+    if s[i, LOOKED] < 0:  # it has merged since the last correction
+        clear_bins(s, i)
         return
     s[i, LOOKED] += 1
     if s[i, LOOKED] < r[GAP_CORRECTIONS]:

@@ -6,42 +6,56 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from ..._numba_private import step
+from ..._numba_private import njit, step
 from ._gaps import count_in_bins
 from ._lives import LOST, MOVED, appears, correct, name, record, seed
 from ._meetings import absorbed, hide_sides, join
 from ._owner import find
-from ._places import OF_STATE, alone, clear, hold, renew
+from ._places import OF_STATE, alone, clear, renew
 from ._sides import measure
 from ._state import (
-    BOX_HI_X,
-    BOX_HI_Y,
+    BEYOND,
     BOX_LO_X,
-    BOX_LO_Y,
     BUSY,
     CANDIDATE,
+    COMPUTED,
     CORRECTIONS,
-    COUNT,
+    CORRECTS,
     DEADLINE,
+    DUE,
+    DUE_TICK,
+    EFFECT_EVENTS,
+    EFFECT_TICKS,
     EMPTY,
     EMPTY_MAX,
+    ENDS_WITH,
+    EV_BEYOND,
+    EV_BOX_HI_X,
+    EV_BOX_HI_Y,
+    EV_BOX_LO_X,
+    EV_BOX_LO_Y,
+    EV_COUNT,
+    EV_LO_X,
+    EV_OWNED,
+    EV_STATE,
     FREE,
     GAP_CORRECTIONS,
     HI_X,
     HI_Y,
-    IN_FORCE,
-    IN_FORCE_AFTER,
+    IN_EFFECT,
     LEFT,
     LO_X,
     LO_Y,
     MOVES_FROM,
+    MOVES_LO_X,
     N_EV,
     NEVER,
     NEXT_SLOT,
+    NEXT_STATE,
     NEXT_STEP,
     NOW,
+    OFF_LO_X,
     PAUSED,
     PERIOD,
     REL_MASK,
@@ -57,15 +71,17 @@ from ._state import (
     SUPPORT_MAX,
     VISIBLE,
     WAITS,
+    WAITS_TICK,
     Table,
 )
-from ._velocity import advance
-from ._windows import await_return, bounded, set_window, take_window
+from ._velocity import advance, follow_pace
+from ._windows import await_return, bounded, set_window
 
 __all__ = ["RECORDS_PER_STEP", "feed", "initialise", "restart", "restep"]
 
 RECORDS_PER_STEP = 3  # at most
 NOBODY = -1  # owns an event
+ENDING = 2  # COMPUTED, while slots end with one that takes effect
 
 
 @njit(cache=True, nogil=True)
@@ -73,37 +89,108 @@ def initialise(s: Table, r: Table, glob: Table, modes: Table, places: Table) -> 
     """Reset: every slot is free."""
     glob[:] = 0
     restep(r, glob)
-    glob[IN_FORCE] = NEVER
+    glob[DUE] = NEVER
+    glob[DUE_TICK] = NEVER
     glob[SEEDING] = -1
     for i in range(s.shape[0]):
         s[i, STATE] = FREE
+        s[i, EV_STATE] = FREE
         s[i, DEADLINE] = NEVER
     clear(s, places)
-    renew(s, places, modes)
+    for i in range(s.shape[0]):
+        renew(s, places, modes, i)
 
 
 @step
-def _put_in_force(s: Table, glob: Table, places: Table, upto: int) -> None:
-    """Put windows and candidates in force that wait for an event up to this one, and see which is next."""
-    glob[IN_FORCE] = NEVER
+def _take_effect(s: Table, i: int) -> None:
+    """What was computed of slot i takes effect: its sides move, and go on from where events have moved them meanwhile."""
+    s[i, EV_STATE] = s[i, NEXT_STATE]
+    for k in range(4):
+        s[i, EV_LO_X + k] += s[i, MOVES_LO_X + k]
+        s[i, MOVES_LO_X + k] = 0
+    for k in range(BOX_LO_X, BEYOND):
+        s[i, IN_EFFECT + k] = s[i, k]
+    s[i, EV_BEYOND] |= s[i, BEYOND]
+    s[i, CORRECTS] = 0
+    s[i, COMPUTED] = 0
+
+
+@step
+def _end_with(s: Table, glob: Table, modes: Table, places: Table, i: int) -> None:
+    """Slots that end with slot i, and those that end with them."""
+    more = True
+    s[i, COMPUTED] = ENDING
+    while more:
+        more = False
+        for j in range(s.shape[0]):
+            by = s[j, ENDS_WITH] - 1
+            if by >= 0 and s[by, COMPUTED] == ENDING:
+                s[j, ENDS_WITH] = 0
+                s[j, WAITS] = 0
+                s[j, CORRECTS] = 0
+                s[j, COMPUTED] = ENDING
+                s[j, EV_STATE] = FREE
+                if glob[SEEDING] == j:
+                    glob[SEEDING] = -1
+                renew(s, places, modes, j)
+                more = True
+    for j in range(s.shape[0]):
+        if s[j, COMPUTED] == ENDING:
+            s[j, COMPUTED] = 0
+
+
+@step
+def _effects(s: Table, glob: Table, modes: Table, places: Table, event: int, tick: int) -> None:
+    """All that takes effect before this event and tick; then see which are the next ones to wait for."""
+    glob[DUE] = NEVER
+    glob[DUE_TICK] = NEVER
     for i in range(s.shape[0]):
-        if s[i, WAITS]:
-            if s[i, WAITS] <= upto:
+        if s[i, WAITS] and (s[i, WAITS] <= event or s[i, WAITS_TICK] <= tick):
+            s[i, WAITS] = 0
+            if s[i, COMPUTED]:  # not if another slot's step has ended it
+                _take_effect(s, i)
                 if glob[SEEDING] == i:
                     glob[SEEDING] = -1
-                take_window(s, i)
-                hold(s, places, i)
-                s[i, COUNT] = 0
-                s[i, WAITS] = 0
-            else:
-                glob[IN_FORCE] = min(glob[IN_FORCE], s[i, WAITS])
+                renew(s, places, modes, i)
+                _end_with(s, glob, modes, places, i)
+    for i in range(s.shape[0]):
+        if s[i, WAITS]:
+            _due(glob, s[i, WAITS], s[i, WAITS_TICK])
 
 
 @step
-def _wait(s: Table, glob: Table, i: int) -> None:
-    """What was computed of slot i, with this event, is in force so many events later."""
-    s[i, WAITS] = glob[SEQ] + IN_FORCE_AFTER
-    glob[IN_FORCE] = min(glob[IN_FORCE], s[i, WAITS])
+def _due(glob: Table, event: int, tick: int) -> None:
+    glob[DUE] = min(glob[DUE], event)
+    glob[DUE_TICK] = min(glob[DUE_TICK], tick)
+
+
+@step
+def _wait(s: Table, glob: Table, i: int, now: int) -> None:
+    """Slot i waits for what a job computes now, and for what it waits for already."""
+    s[i, WAITS] = glob[SEQ] + EFFECT_EVENTS
+    s[i, WAITS_TICK] = now + EFFECT_TICKS
+    _due(glob, s[i, WAITS], s[i, WAITS_TICK])
+
+
+@step
+def _begin(s: Table, lim: Table, i: int) -> None:
+    """A job on slot i begins with the sides in effect, moved as its last job says; their offsets have grown by as much."""
+    for k in range(4):
+        moved = s[i, EV_LO_X + k] + s[i, MOVES_LO_X + k] - s[i, LO_X + k]
+        s[i, LO_X + k] += moved
+        s[i, OFF_LO_X + k] += moved
+    s[i, BEYOND] = 0
+    s[i, SUPPORT] = min(s[i, SUPPORT] + s[i, EV_OWNED], lim[SUPPORT_MAX])
+    s[i, EV_OWNED] = 0
+
+
+@step
+def _finish(s: Table, i: int) -> None:
+    """The job on slot i ends: what takes effect later."""
+    s[i, COMPUTED] = 1
+    s[i, NEXT_STATE] = s[i, STATE]
+    for k in range(4):
+        s[i, MOVES_LO_X + k] = s[i, LO_X + k] - s[i, EV_LO_X + k]
 
 
 @njit(cache=True, nogil=True)
@@ -115,15 +202,17 @@ def restep(r: Table, glob: Table) -> None:
 
 
 @njit(cache=True, nogil=True)
-def restart(s: Table, glob: Table, modes: Table, places: Table, i: int, out: Table) -> int:
+def restart(s: Table, lim: Table, glob: Table, modes: Table, places: Table, i: int, out: Table) -> int:
     """End slot i's life at once; returns the number of records, one if it was visible."""
     n = 0
-    _put_in_force(s, glob, places, NEVER)
+    _effects(s, glob, modes, places, NEVER - 1, 0)
     if s[i, STATE] == VISIBLE:
+        _begin(s, lim, i)
         n = record(s, i, LOST, glob[SEQ], glob[NOW], 0, out, n)
     s[i, STATE] = FREE
+    s[i, EV_STATE] = FREE
     s[i, DEADLINE] = NEVER
-    renew(s, places, modes)
+    renew(s, places, modes, i)
     return n
 
 
@@ -143,10 +232,13 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
         return n
     if s[i, STATE] == LEFT:
         return n
-    if s[i, STATE] == VISIBLE or s[i, CORRECTIONS] >= MOVES_FROM:
+    known = s[i, STATE] == VISIBLE or s[i, CORRECTIONS] >= MOVES_FROM
+    if known:
         advance(s, r, lim, i, now)
     bounded(s, r, LO_X, HI_X, i)
     bounded(s, r, LO_Y, HI_Y, i)
+    if known:
+        follow_pace(s, i)
     set_window(s, r, i)
     n = join(s, r, lim, glob, i, now, out, n)
     if s[i, STATE] == CANDIDATE and not absorbed(s, r, lim, i) and appears(s, r, i, now):
@@ -180,16 +272,20 @@ def _go_on(r: Table, lim: Table, glob: Table, n_slots: int) -> None:
 
 
 @step
-def _step(s: Table, r: Table, lim: Table, glob: Table, places: Table, out: Table, n: int) -> int:
+def _step(s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table, out: Table, n: int) -> int:
     """The next motion step of a slot."""
     now = glob[NEXT_STEP]
     i = glob[NEXT_SLOT]
-    if glob[IN_FORCE] != NEVER:
-        _put_in_force(s, glob, places, NEVER)
+    if glob[DUE] <= glob[SEQ] or glob[DUE_TICK] <= now:
+        _effects(s, glob, modes, places, glob[SEQ], now)
     if i == 0:
         _pause(r, glob)
     if s[i, STATE] != FREE:
+        if not s[i, WAITS]:
+            _wait(s, glob, i, now)
+        _begin(s, lim, i)
         n = _step_slot(s, r, lim, glob, i, now, out, n)
+        _finish(s, i)
     _go_on(r, lim, glob, s.shape[0])
     return n
 
@@ -198,7 +294,7 @@ def _step(s: Table, r: Table, lim: Table, glob: Table, places: Table, out: Table
 def _lives(s: Table) -> bool:
     """Whether any slot has a candidate, or a track, lost ones that may return among them."""
     for i in range(s.shape[0]):  # noqa: SIM110 (any() would allocate)
-        if s[i, STATE] != FREE:
+        if s[i, EV_STATE] != FREE:
             return True
     return False
 
@@ -206,14 +302,16 @@ def _lives(s: Table) -> bool:
 @step
 def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
     """What an event does to its owner; true when the window of N_ev events is complete."""
-    s[i, SUPPORT] = min(s[i, SUPPORT] + 1, lim[SUPPORT_MAX])
-    if shared or s[i, WAITS]:
+    s[i, EV_OWNED] = min(s[i, EV_OWNED] + 1, lim[SUPPORT_MAX])
+    if shared:
         return False
-    if r[GAP_CORRECTIONS]:
+    if r[GAP_CORRECTIONS] and not s[i, CORRECTS]:
         count_in_bins(s, i, x, y)
     measure(s, r, i, x, y)
-    s[i, COUNT] += 1
-    return bool(s[i, COUNT] >= s[i, N_EV])
+    if s[i, CORRECTS]:
+        return False
+    s[i, EV_COUNT] += 1
+    return bool(s[i, EV_COUNT] >= s[i, N_EV])
 
 
 @step
@@ -227,10 +325,9 @@ def _steps(
     before the run.
     """
     now = ticks[e]
-    changed = False
     while glob[NEXT_STEP] <= now and n + RECORDS_PER_STEP <= len(out):
         i = glob[NEXT_SLOT]
-        if i > 0 and s[i, STATE] == FREE and glob[IN_FORCE] == NEVER:
+        if i > 0 and s[i, EV_STATE] == FREE and glob[DUE] == NEVER:
             _go_on(r, lim, glob, s.shape[0])
             continue
         if not _lives(s):  # steps in which nothing happens, however many
@@ -241,28 +338,42 @@ def _steps(
             break
         done = glob[SEQ] - before
         glob[SEQ] += np.searchsorted(ticks[done:e], glob[NEXT_STEP])
-        n = _step(s, r, lim, glob, places, out, n)
-        changed = True
-    if changed:
-        renew(s, places, modes)
+        n = _step(s, r, lim, glob, modes, places, out, n)
     return n
 
 
 @step
 def _seed(s: Table, r: Table, glob: Table, places: Table, i: int, x: int, y: int, now: int) -> None:
-    """An event begins a candidate in slot i, which no other one does until this one is in force."""
-    places[OF_STATE, s[i, STATE]] &= ~alone(i)
+    """An event begins a candidate in slot i, which no other one does until this one is in effect."""
+    places[OF_STATE, s[i, EV_STATE]] &= ~alone(i)
     places[OF_STATE, CANDIDATE] |= alone(i)
     seed(s, r, i, x, y, now, now - glob[PAUSED])
+    s[i, EV_STATE] = CANDIDATE
+    for k in range(4):
+        s[i, EV_LO_X + k] = s[i, LO_X + k]
+    s[i, EV_BEYOND] = 0
+    s[i, EV_OWNED] = 0
+    s[i, EV_COUNT] = 0
+    s[i, ENDS_WITH] = 0
     glob[SEEDING] = i
-    _wait(s, glob, i)
+    s[i, CORRECTS] = 1
+    _wait(s, glob, i, now)
+    _finish(s, i)
 
 
 @step
-def _correct(s: Table, r: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
+def _correct(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
     """An event completes a window of slot i; returns the new number of records."""
+    s[i, CORRECTS] = 1
+    _wait(s, glob, i, now)
+    if s[i, STATE] == FREE:  # its life has ended
+        return n
+    _begin(s, lim, i)
+    s[i, BEYOND] = s[i, EV_BEYOND]
+    s[i, EV_BEYOND] = 0
+    s[i, EV_COUNT] = 0
     correct(s, r, i, now, now - glob[PAUSED])
-    _wait(s, glob, i)
+    _finish(s, i)
     return record(s, i, MOVED, glob[SEQ], now, 0, out, n) if s[i, STATE] == VISIBLE else n
 
 
@@ -293,18 +404,18 @@ def feed(
         glob[SEQ] = before + e
         if n == len(out):
             return e, n
-        if glob[SEQ] >= glob[IN_FORCE]:
-            _put_in_force(s, glob, places, glob[SEQ])
+        if glob[SEQ] >= glob[DUE] or now >= glob[DUE_TICK]:
+            _effects(s, glob, modes, places, glob[SEQ], now)
         glob[BUSY] = 1
         x: Any = np.int64(xs[e])  # signed: unsigned ones would be compared with sides as floats
         y: Any = np.int64(ys[e])
         i, shared, seeds = find(places, x, y)
         if i >= 0 and not seeds:
             owner[e] = i
-            rel_x[e] = (2 * x - s[i, BOX_LO_X] - s[i, BOX_HI_X]) & lim[REL_MASK]
-            rel_y[e] = (2 * y - s[i, BOX_LO_Y] - s[i, BOX_HI_Y]) & lim[REL_MASK]
+            rel_x[e] = (2 * x - s[i, EV_BOX_LO_X] - s[i, EV_BOX_HI_X]) & lim[REL_MASK]
+            rel_y[e] = (2 * y - s[i, EV_BOX_LO_Y] - s[i, EV_BOX_HI_Y]) & lim[REL_MASK]
             if _take(s, r, lim, i, x, y, shared):
-                n = _correct(s, r, glob, i, now, out, n)
+                n = _correct(s, r, lim, glob, i, now, out, n)
         elif i >= 0 and glob[SEEDING] < 0:
             _seed(s, r, glob, places, i, x, y, now)
             owner[e] = i  # it is the middle of the candidate's box

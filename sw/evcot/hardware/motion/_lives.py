@@ -18,9 +18,9 @@ from ._state import (
     COAST_TICKS,
     CORRECTIONS,
     CORRECTIONS_MAX,
-    COUNT,
     DEADLINE,
     DETECT_TICKS,
+    ENDS_WITH,
     FREE,
     FROM_X,
     FROM_Y,
@@ -53,21 +53,21 @@ from ._state import (
     SEED_PX,
     SEEDED,
     STATE,
+    STATED_X,
+    STATED_Y,
     SUPPORT,
     TOGETHER,
     USUAL,
     V_X,
     V_Y,
     VISIBLE,
-    WIN_HI_X,
-    WIN_LO_X,
     Table,
 )
-from ._velocity import correct_velocity
-from ._windows import length, next_window, windows_touch
+from ._velocity import begin_pace, correct_velocity
+from ._windows import length, set_window, windows_touch
 from .contract import SUB
 
-__all__ = ["BORN", "LOST", "MERGED", "MOVED", "appears", "correct", "name", "record", "seed"]
+__all__ = ["BORN", "LOST", "MERGED", "MOVED", "appears", "correct", "end", "name", "record", "seed"]
 
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 
@@ -84,8 +84,8 @@ def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Ta
     row.cm_y = (s[i, LO_Y] + s[i, HI_Y]) >> 1
     row.width = max(s[i, HI_X] - s[i, LO_X], 0)
     row.height = max(s[i, HI_Y] - s[i, LO_Y], 0)
-    row.v_x = s[i, V_X]
-    row.v_y = s[i, V_Y]
+    row.v_x = s[i, STATED_X] >> 1
+    row.v_y = s[i, STATED_Y] >> 1
     row.support = s[i, SUPPORT]
     row.n_ev = s[i, N_EV]
     row.slot = i
@@ -96,7 +96,7 @@ def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Ta
 
 @step
 def seed(s: Table, r: Table, i: int, x: int, y: int, now: int, counted: int) -> None:
-    """A candidate begins: a square around the event, at rest, which holds no event until it is in force."""
+    """A candidate begins: a square around the event, at rest, which holds no event until it is in effect."""
     half = r[SEED_PX] << SUB
     s[i, STATE] = CANDIDATE
     s[i, LO_X] = (x << SUB) - half
@@ -113,7 +113,6 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int, counted: int) -> 
         BEYOND,
         HIDDEN,
         MEETS,
-        COUNT,
         CORRECTIONS,
         TOGETHER,
         RUN_X,
@@ -128,9 +127,7 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int, counted: int) -> 
     s[i, USUAL] = r[DETECT_TICKS]
     s[i, DEADLINE] = counted + r[DETECT_TICKS]
     clear_bins(s, i)
-    next_window(s, r, i)
-    s[i, WIN_LO_X] = 1
-    s[i, WIN_HI_X] = 0
+    set_window(s, r, i)
 
 
 @step
@@ -143,10 +140,11 @@ def correct(s: Table, r: Table, i: int, now: int, counted: int) -> None:
     if s[i, CORRECTIONS] == MOVES_FROM:
         s[i, FROM_X] = s[i, LO_X] + s[i, HI_X]
         s[i, FROM_Y] = s[i, LO_Y] + s[i, HI_Y]
+        begin_pace(s, i)
     outline = length(s, LO_X, HI_X, i) + length(s, LO_Y, HI_Y, i)
     s[i, N_EV] = min(max(outline, r[NEV_LOW]), r[NEV_HIGH])
     s[i, DEADLINE] = counted + min(max(s[i, USUAL] << r[LIFE_LOG2], r[LIFE_TICKS]), r[COAST_TICKS])
-    next_window(s, r, i)
+    set_window(s, r, i)
 
 
 @step
@@ -166,14 +164,21 @@ def appears(s: Table, r: Table, i: int, now: int) -> bool:
 
 
 @step
+def end(s: Table, i: int, j: int) -> None:
+    """The step of slot i ends slot j, in effect as slot i takes effect."""
+    s[j, STATE] = FREE
+    s[j, DEADLINE] = NEVER
+    s[j, ENDS_WITH] = i + 1
+
+
+@step
 def name(s: Table, lim: Table, glob: Table, i: int) -> int:
     """Slot i becomes visible: as the track that was lost where its window is, or as a new one; returns the record's kind."""
     s[i, STATE] = VISIBLE
     for j in range(s.shape[0]):
         if s[j, STATE] == LEFT and windows_touch(s, i, j):
             s[i, ID] = s[j, ID]
-            s[j, STATE] = FREE
-            s[j, DEADLINE] = NEVER
+            end(s, i, j)
             return MOVED
     s[i, ID] = glob[BIRTHS] & lim[ID_MASK]
     glob[BIRTHS] += 1

@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 from ..._numba_private import step
-from ._gaps import clear_bins
-from ._lives import MERGED, MOVED, record
+from ._lives import MERGED, MOVED, end, record
 from ._state import (
     AT_HI_X,
     AT_HI_Y,
@@ -32,6 +31,7 @@ from ._state import (
     KEEP_OLDER,
     LO_X,
     LO_Y,
+    LOOKED,
     MEETS,
     MOVES_FROM,
     NEVER,
@@ -58,6 +58,7 @@ from ._state import (
     WIN_LO_Y,
     Table,
 )
+from ._velocity import settle_pace
 from ._windows import gap, in_window, set_window, windows_touch
 
 __all__ = ["absorbed", "hide_sides", "join"]
@@ -129,20 +130,20 @@ def _unite(s: Table, r: Table, lim: Table, stays: int, goes: int) -> None:
     s[stays, DEADLINE] = max(s[stays, DEADLINE], s[goes, DEADLINE])
     s[stays, PARTNER] = -1
     s[stays, TOGETHER] = 0
-    s[goes, STATE] = FREE
-    s[goes, DEADLINE] = NEVER
-    clear_bins(s, stays)
+    end(s, stays, goes)
+    settle_pace(s, stays)
+    s[stays, LOOKED] = -1  # what its bins hold is of its old box
     set_window(s, r, stays)
 
 
 @step
-def _staying(s: Table, r: Table, i: int, j: int) -> int:
-    """Of two slots the one that stays: a visible one; else the older, or the one with more support; else i."""
+def _stays(s: Table, r: Table, i: int, j: int) -> bool:
+    """Whether of two slots i stays: a visible one does; else the older, or the one with more support; of equals i."""
     if s[i, STATE] != s[j, STATE]:
-        return i if s[i, STATE] == VISIBLE else j
+        return bool(s[i, STATE] == VISIBLE)
     if r[KEEP_OLDER]:
-        return j if s[j, SEEDED] < s[i, SEEDED] else i
-    return j if s[j, SUPPORT] > s[i, SUPPORT] else i
+        return bool(s[j, SEEDED] >= s[i, SEEDED])
+    return bool(s[j, SUPPORT] <= s[i, SUPPORT])
 
 
 @step
@@ -169,19 +170,19 @@ def join(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Tab
     lived = (now - max(s[i, SEEDED], s[partner, SEEDED])) >> r[STEP_LOG2] >> r[JOIN_LIFE]
     if s[i, TOGETHER] < min(max(r[JOIN_STEPS], lived), TOGETHER_MAX):
         return n
-    stays = _staying(s, r, i, partner)
-    goes = partner if stays == i else i
-    if s[goes, STATE] == VISIBLE:
-        n = record(s, goes, MERGED, glob[SEQ], now, s[stays, ID], out, n)
-    _unite(s, r, lim, stays, goes)
-    if s[stays, STATE] == VISIBLE:
-        n = record(s, stays, MOVED, glob[SEQ], now, 0, out, n)
+    if not _stays(s, r, i, partner):
+        return n
+    if s[partner, STATE] == VISIBLE:
+        n = record(s, partner, MERGED, glob[SEQ], now, s[i, ID], out, n)
+    _unite(s, r, lim, i, partner)
+    if s[i, STATE] == VISIBLE:
+        n = record(s, i, MOVED, glob[SEQ], now, 0, out, n)
     return n
 
 
 @step
 def absorbed(s: Table, r: Table, lim: Table, i: int) -> bool:
-    """Whether candidate i ends: its middle is in a visible window, or its box touches another candidate's with more support.
+    """Whether candidate i ends as its middle is in a visible window, or waits for another with more support that it touches.
 
     A candidate with no more support is united with it; then it goes on.
     """
@@ -197,7 +198,6 @@ def absorbed(s: Table, r: Table, lim: Table, i: int) -> bool:
             continue
         if gap(s, BOX_LO_X, BOX_HI_X, i, j) <= 0 and gap(s, BOX_LO_Y, BOX_HI_Y, i, j) <= 0:
             if s[i, SUPPORT] < s[j, SUPPORT]:
-                _unite(s, r, lim, j, i)
                 return True
             _unite(s, r, lim, i, j)
     return False

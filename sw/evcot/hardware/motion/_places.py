@@ -10,11 +10,16 @@ import numpy as np
 from ..._numba_private import step
 from ..contract import Mode
 from ._state import (
-    BOX_HI_X,
-    BOX_HI_Y,
-    BOX_LO_X,
-    BOX_LO_Y,
     CANDIDATE,
+    EV_BOX_HI_X,
+    EV_BOX_HI_Y,
+    EV_BOX_LO_X,
+    EV_BOX_LO_Y,
+    EV_STATE,
+    EV_WIN_HI_X,
+    EV_WIN_HI_Y,
+    EV_WIN_LO_X,
+    EV_WIN_LO_Y,
     HELD_BOX_HI_X,
     HELD_BOX_HI_Y,
     HELD_BOX_LO_X,
@@ -24,12 +29,7 @@ from ._state import (
     HELD_WIN_LO_X,
     HELD_WIN_LO_Y,
     LEFT,
-    STATE,
     VISIBLE,
-    WIN_HI_X,
-    WIN_HI_Y,
-    WIN_LO_X,
-    WIN_LO_Y,
     Table,
 )
 
@@ -39,12 +39,12 @@ __all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "cle
 WIN_X, WIN_Y, BOX_X, BOX_Y, OF_STATE = range(5)
 ROWS = 5
 
-# A slot's bounds in each of the first four rows: those in force, and those that the row has.
+# A slot's bounds in each of the first four rows: those in effect, and those that the row has.
 _BOUNDS = (
-    (WIN_X, WIN_LO_X, WIN_HI_X, HELD_WIN_LO_X, HELD_WIN_HI_X),
-    (WIN_Y, WIN_LO_Y, WIN_HI_Y, HELD_WIN_LO_Y, HELD_WIN_HI_Y),
-    (BOX_X, BOX_LO_X, BOX_HI_X, HELD_BOX_LO_X, HELD_BOX_HI_X),
-    (BOX_Y, BOX_LO_Y, BOX_HI_Y, HELD_BOX_LO_Y, HELD_BOX_HI_Y),
+    (WIN_X, EV_WIN_LO_X, EV_WIN_HI_X, HELD_WIN_LO_X, HELD_WIN_HI_X),
+    (WIN_Y, EV_WIN_LO_Y, EV_WIN_HI_Y, HELD_WIN_LO_Y, HELD_WIN_HI_Y),
+    (BOX_X, EV_BOX_LO_X, EV_BOX_HI_X, HELD_BOX_LO_X, HELD_BOX_HI_X),
+    (BOX_Y, EV_BOX_LO_Y, EV_BOX_HI_Y, HELD_BOX_LO_Y, HELD_BOX_HI_Y),
 )
 
 _SEEDED = int(Mode.SEEDED)
@@ -98,7 +98,7 @@ def clear(s: Table, places: Table) -> None:
 @step
 def hold(s: Table, places: Table, i: int) -> None:
     """Slot i holds the pixels of its box and window, which may have changed; none if it has neither."""
-    holds = s[i, STATE] in (CANDIDATE, VISIBLE)
+    holds = s[i, EV_STATE] in (CANDIDATE, VISIBLE)
     for row, lo, hi, held_lo, held_hi in _BOUNDS:
         low = s[i, lo] if holds else 1
         high = s[i, hi] if holds else 0
@@ -110,10 +110,10 @@ def hold(s: Table, places: Table, i: int) -> None:
 
 
 @step
-def renew(s: Table, places: Table, modes: Table) -> None:
-    """Bring the table up to date. Of those that could begin a candidate, only slots that do so by their mode."""
-    places[OF_STATE, : LEFT + 1] = _NONE
-    for i in range(s.shape[0]):
-        if s[i, STATE] in (CANDIDATE, VISIBLE) or modes[i] == _SEEDED:
-            places[OF_STATE, s[i, STATE]] |= alone(i)
-        hold(s, places, i)
+def renew(s: Table, places: Table, modes: Table, i: int) -> None:
+    """Bring the table up to date for slot i. Of those that could begin a candidate, only slots that do so by their mode."""
+    for state in range(LEFT + 1):
+        places[OF_STATE, state] &= ~alone(i)
+    if s[i, EV_STATE] in (CANDIDATE, VISIBLE) or modes[i] == _SEEDED:
+        places[OF_STATE, s[i, EV_STATE]] |= alone(i)
+    hold(s, places, i)

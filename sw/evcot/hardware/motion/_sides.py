@@ -11,9 +11,15 @@ from ._state import (
     AT_LO_Y,
     BEYOND,
     CANDIDATE,
+    EV_BEYOND,
+    EV_HI_X,
+    EV_HI_Y,
+    EV_HIDDEN,
+    EV_LO_X,
+    EV_LO_Y,
+    EV_STATE,
     HI_X,
     HI_Y,
-    HIDDEN,
     LO_X,
     LO_Y,
     MEETS,
@@ -24,7 +30,6 @@ from ._state import (
     SIDE_SHARE,
     SIDE_SHRINK,
     SIDE_STEP,
-    STATE,
     Table,
 )
 from .contract import SUB
@@ -33,33 +38,29 @@ __all__ = ["measure", "shrink"]
 
 
 @step
-def _axis(
-    s: Table, i: int, lo: int, hi: int, off_lo: int, off_hi: int, at_lo: int, at_hi: int, place: int, out: int, back: int
-) -> None:
+def _axis(s: Table, i: int, lo: int, hi: int, at_lo: int, at_hi: int, place: int, out: int, back: int) -> None:
     """Both sides of an axis: out by `out` for an event beyond, in by `back` for any other.
 
     A side that is hidden goes where the opposite one goes; if both are hidden neither is measured.
     """
-    hide_lo = s[i, HIDDEN] & at_lo
-    hide_hi = s[i, HIDDEN] & at_hi
+    hide_lo = s[i, EV_HIDDEN] & at_lo
+    hide_hi = s[i, EV_HIDDEN] & at_hi
     if hide_lo and hide_hi:
         return
     move_lo = back
     move_hi = -back
     if place < s[i, lo]:
         move_lo = -out
-        s[i, BEYOND] |= at_lo
+        s[i, EV_BEYOND] |= at_lo
     if place > s[i, hi]:
         move_hi = out
-        s[i, BEYOND] |= at_hi
+        s[i, EV_BEYOND] |= at_hi
     if hide_lo:
         move_lo = move_hi
     elif hide_hi:
         move_hi = move_lo
     s[i, lo] += move_lo
     s[i, hi] += move_hi
-    s[i, off_lo] += move_lo
-    s[i, off_hi] += move_hi
 
 
 @step
@@ -67,11 +68,11 @@ def measure(s: Table, r: Table, i: int, x: int, y: int) -> None:
     """Move the sides of slot i by one event; those of a candidate move twice as fast."""
     back = r[SIDE_STEP] >> r[SIDE_SHARE]
     out = r[SIDE_STEP] - back
-    if s[i, STATE] == CANDIDATE:
+    if s[i, EV_STATE] == CANDIDATE:
         out <<= 1
         back <<= 1
-    _axis(s, i, LO_X, HI_X, OFF_LO_X, OFF_HI_X, AT_LO_X, AT_HI_X, x << SUB, out, back)
-    _axis(s, i, LO_Y, HI_Y, OFF_LO_Y, OFF_HI_Y, AT_LO_Y, AT_HI_Y, y << SUB, out, back)
+    _axis(s, i, EV_LO_X, EV_HI_X, AT_LO_X, AT_HI_X, x << SUB, out, back)
+    _axis(s, i, EV_LO_Y, EV_HI_Y, AT_LO_Y, AT_HI_Y, y << SUB, out, back)
 
 
 @step

@@ -12,18 +12,29 @@ from .contract import SUB, MotionRegisters
 
 Table = NDArray[Any]
 
-# A slot's fields. Sides and velocities have SUB fractional bits, bounds are pixels, times are ticks.
-(STATE, LO_X, HI_X, LO_Y, HI_Y, V_X, V_Y, OFF_LO_X, OFF_HI_X, OFF_LO_Y, OFF_HI_Y, BEYOND, HIDDEN, MEETS,
- BOX_LO_X, BOX_HI_X, BOX_LO_Y, BOX_HI_Y, WIN_LO_X, WIN_HI_X, WIN_LO_Y, WIN_HI_Y,
- COUNT, N_EV, SUPPORT, CORRECTIONS, LAST, USUAL, DEADLINE, SEEDED, FROM_X, FROM_Y, PARTNER, TOGETHER, ID, REPORTED,
- BIN_LOG2_X, BIN_LOG2_Y, LOOKED, WAITS, NEXT_BOX_LO_X, NEXT_BOX_HI_X, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y,
- NEXT_WIN_LO_X, NEXT_WIN_HI_X, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y, RUN_X, RUN_Y,
- HELD_BOX_LO_X, HELD_BOX_HI_X, HELD_BOX_LO_Y, HELD_BOX_HI_Y, HELD_WIN_LO_X, HELD_WIN_HI_X, HELD_WIN_LO_Y, HELD_WIN_HI_Y,
-) = range(58)  # fmt: skip
+# A slot's fields. Sides and velocities have SUB fractional bits, bounds are pixels, times are ticks. First what jobs compute:
+(STATE, LO_X, HI_X, LO_Y, HI_Y, BOX_LO_X, BOX_HI_X, BOX_LO_Y, BOX_HI_Y, WIN_LO_X, WIN_HI_X, WIN_LO_Y, WIN_HI_Y, HIDDEN, BEYOND,
+ OFF_LO_X, OFF_HI_X, OFF_LO_Y, OFF_HI_Y, V_X, V_Y, RUN_X, RUN_Y, MEETS, SUPPORT, N_EV, CORRECTIONS, LAST, USUAL, DEADLINE,
+ SEEDED, FROM_X, FROM_Y, PARTNER, TOGETHER, ID, REPORTED, BIN_LOG2_X, BIN_LOG2_Y, LOOKED,
+ WAS_X, WAS_Y, PACE_X, PACE_Y, STATED_X, STATED_Y,
+) = range(46)  # fmt: skip
+# Then what is in effect, which events see and change: of the first fields in the same order, and the events that the slot
+# owned since its last job, and counted since its last correction.
+IN_EFFECT = 46
+(EV_STATE, EV_LO_X, EV_HI_X, EV_LO_Y, EV_HI_Y, EV_BOX_LO_X, EV_BOX_HI_X, EV_BOX_LO_Y, EV_BOX_HI_Y,
+ EV_WIN_LO_X, EV_WIN_HI_X, EV_WIN_LO_Y, EV_WIN_HI_Y, EV_HIDDEN, EV_BEYOND, EV_OWNED, EV_COUNT,
+) = range(IN_EFFECT, IN_EFFECT + 17)  # fmt: skip
+# What is computed and not in effect yet: the event and the tick before which it takes effect, or else 0; the state, and how far
+# each side moves then; whether a correction or a new candidate is not in effect; whether anything was computed. Another slot's
+# step may also end the slot, as that one takes effect: its number and one, or else 0.
+(WAITS, WAITS_TICK, NEXT_STATE, MOVES_LO_X, MOVES_HI_X, MOVES_LO_Y, MOVES_HI_Y, CORRECTS, COMPUTED, ENDS_WITH) = range(63, 73)
+# The bounds that the sets of _places.py have.
+(HELD_BOX_LO_X, HELD_BOX_HI_X, HELD_BOX_LO_Y, HELD_BOX_HI_Y, HELD_WIN_LO_X, HELD_WIN_HI_X, HELD_WIN_LO_Y, HELD_WIN_HI_Y,
+) = range(73, 81)  # fmt: skip
 BINS_LOG2 = 4
 BINS = 1 << BINS_LOG2  # of each axis
-BINS_X, BINS_Y = 58, 58 + BINS
-FIELD_COUNT = 58 + 2 * BINS
+BINS_X, BINS_Y = 81, 81 + BINS
+FIELD_COUNT = 81 + 2 * BINS
 
 FREE, CANDIDATE, VISIBLE, LEFT = range(4)  # STATE
 AT_LO_X, AT_HI_X, AT_LO_Y, AT_HI_Y = 1, 2, 4, 8  # bits of BEYOND and HIDDEN
@@ -46,8 +57,8 @@ _NAMES = [field.name for field in fields(MotionRegisters)]
 )  # fmt: skip
 
 # Common to all slots. The next step is that of NEXT_SLOT at tick NEXT_STEP, in the period that begins at tick PERIOD.
-NOW, SEQ, BIRTHS, PERIOD, NEXT_SLOT, NEXT_STEP, IN_FORCE, SEEDING, EMPTY, BUSY, PAUSED = range(11)
-GLOBAL_COUNT = 11
+NOW, SEQ, BIRTHS, PERIOD, NEXT_SLOT, NEXT_STEP, DUE, SEEDING, EMPTY, BUSY, PAUSED, DUE_TICK = range(12)
+GLOBAL_COUNT = 12
 
 ID_MASK, SUPPORT_MAX, REL_MASK, REACH, SLOTS_LOG2 = range(5)  # follow from the hardware's widths and number of slots
 LIMIT_COUNT = 5
@@ -57,9 +68,13 @@ NEVER = 1 << 62
 CORRECTIONS_MAX = 63  # the count saturates
 RUN_MAX = 7  # corrections in one direction, saturating
 RUN_FROM = 2  # from which on one more doubles the gain
+PACE_MAX = (1 << 16) - 1  # displacement of a slot's middle per step, in half units, saturating
+WAY_MAX = (1 << 19) - 1  # the same, modulo twice as much
+PACE_SLOW = 4  # log2 of the steps over which either of its means is taken, at most
 TICKS_MAX = (1 << 24) - 1  # ticks between two corrections, saturating
 TOGETHER_MAX = (1 << 16) - 1  # steps together after which two merge in any case
 MOVES_FROM = 4  # corrections from which on a candidate's velocity counts
-IN_FORCE_AFTER = 64  # events after which a correction, or a candidate, is in force
+EFFECT_EVENTS = 64  # events after which what was computed takes effect
+EFFECT_TICKS = 256  # or ticks
 EMPTY_MAX = 32  # periods in a row without an event that do not bring a deadline nearer
 LOOKS_FROM = 8  # corrections from which on a gap counts

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The velocity of a slot: an alpha-beta correction with the time since the last one, and the displacement in a motion step."""
+"""The velocities of a slot: that of its box, by an alpha-beta correction with the time since the last, and the stated one."""
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from ..._numba_private import step
+from ..._numba_private import njit, step
 from ._state import (
     COAST_SLOW,
     CORRECTIONS,
@@ -24,6 +23,10 @@ from ._state import (
     OFF_HI_Y,
     OFF_LO_X,
     OFF_LO_Y,
+    PACE_MAX,
+    PACE_SLOW,
+    PACE_X,
+    PACE_Y,
     REACH,
     RUN_FROM,
     RUN_MAX,
@@ -31,15 +34,20 @@ from ._state import (
     RUN_Y,
     SETTLE,
     SPEED_MAX,
+    STATED_X,
+    STATED_Y,
     STEP_LOG2,
     TICKS_MAX,
     USUAL,
     V_X,
     V_Y,
+    WAS_X,
+    WAS_Y,
+    WAY_MAX,
     Table,
 )
 
-__all__ = ["advance", "bit_length", "correct_velocity", "gain_log2", "over"]
+__all__ = ["advance", "begin_pace", "bit_length", "correct_velocity", "follow_pace", "gain_log2", "over", "settle_pace"]
 
 INVERSES = np.array([round(1024 / (8.5 + m)) for m in range(8)], np.int64)  # 128 / (1 + (m + 1/2) / 8)
 
@@ -146,3 +154,44 @@ def advance(s: Table, r: Table, lim: Table, i: int, now: int) -> None:
     if silent and r[FRICTION]:
         s[i, V_X] = v_x - (v_x >> r[FRICTION])
         s[i, V_Y] = v_y - (v_y >> r[FRICTION])
+
+
+@step
+def _follow(s: Table, i: int, lo: int, hi: int, was: int, pace: int, stated: int, slow: int) -> None:
+    """How far an axis has moved since the last step, smoothed twice."""
+    middle = s[i, lo] + s[i, hi]
+    way = ((middle - s[i, was] + WAY_MAX + 1) & (2 * WAY_MAX + 1)) - WAY_MAX - 1
+    way = max(-PACE_MAX - 1, min(PACE_MAX, way))
+    half = 1 << (slow - 1)
+    s[i, pace] += (way - s[i, pace] + half) >> slow
+    s[i, stated] += (s[i, pace] - s[i, stated] + half) >> slow
+    s[i, was] = middle
+
+
+@step
+def begin_pace(s: Table, i: int) -> None:
+    """The stated velocity begins with that of the corrections."""
+    settle_pace(s, i)
+    s[i, PACE_X] = s[i, V_X] << 1
+    s[i, PACE_Y] = s[i, V_Y] << 1
+    s[i, STATED_X] = s[i, PACE_X]
+    s[i, STATED_Y] = s[i, PACE_Y]
+
+
+@step
+def settle_pace(s: Table, i: int) -> None:
+    """The next displacement counts from where the box is now."""
+    s[i, WAS_X] = s[i, LO_X] + s[i, HI_X]
+    s[i, WAS_Y] = s[i, LO_Y] + s[i, HI_Y]
+
+
+@step
+def follow_pace(s: Table, i: int) -> None:
+    """The stated velocity at a motion step: over as many steps as the box takes to move by about its shorter side."""
+    shorter = max(min(s[i, HI_X] - s[i, LO_X], s[i, HI_Y] - s[i, LO_Y]), 0)
+    speed = max(abs(s[i, STATED_X]), abs(s[i, STATED_Y]))
+    slow = PACE_SLOW
+    while slow > 1 and speed << slow > shorter:
+        slow -= 1
+    _follow(s, i, LO_X, HI_X, WAS_X, PACE_X, STATED_X, slow)
+    _follow(s, i, LO_Y, HI_Y, WAS_Y, PACE_Y, STATED_Y, slow)

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
-from ..._numba_private import step
+from ..._numba_private import njit, step
 from ._state import (
     BOX_HI_X,
     BOX_HI_Y,
@@ -19,14 +17,6 @@ from ._state import (
     LO_X,
     LO_Y,
     MOVES_FROM,
-    NEXT_BOX_HI_X,
-    NEXT_BOX_HI_Y,
-    NEXT_BOX_LO_X,
-    NEXT_BOX_LO_Y,
-    NEXT_WIN_HI_X,
-    NEXT_WIN_HI_Y,
-    NEXT_WIN_LO_X,
-    NEXT_WIN_LO_Y,
     ONE,
     RING_ACROSS,
     RING_ALONG,
@@ -49,12 +39,9 @@ __all__ = [
     "await_return",
     "bounded",
     "gap",
-    "in_box",
     "in_window",
     "length",
-    "next_window",
     "set_window",
-    "take_window",
     "windows_touch",
 ]
 
@@ -86,30 +73,15 @@ def _reach(r: Table, across: int, along: int) -> int:
 
 
 @step
-def set_window(s: Table, r: Table, i: int) -> None:
-    """Box and window of slot i from its sides and its velocity, at once."""
-    next_window(s, r, i)
-    take_window(s, i)
-
-
-@step
 def await_return(s: Table, r: Table, i: int) -> None:
     """The window in which what slot i has lost may return: as far from its box as a window may be."""
-    next_window(s, r, i)
+    set_window(s, r, i)
     _surround(s, i, r[RING_MAX], r[RING_MAX])
-    take_window(s, i)
 
 
 @step
-def take_window(s: Table, i: int) -> None:
-    """Put slot i's next box and window in force."""
-    for k in range(8):
-        s[i, BOX_LO_X + k] = s[i, NEXT_BOX_LO_X + k]
-
-
-@step
-def next_window(s: Table, r: Table, i: int) -> None:
-    """Box and window of slot i from its sides and its velocity, which are not in force yet."""
+def set_window(s: Table, r: Table, i: int) -> None:
+    """Box and window of slot i from its sides and its velocity."""
     width = length(s, LO_X, HI_X, i)
     height = length(s, LO_Y, HI_Y, i)
     speed_x = abs(s[i, V_X])
@@ -124,18 +96,18 @@ def next_window(s: Table, r: Table, i: int) -> None:
     else:
         ring_x = (width >> r[RING_ANY]) + r[RING_PX]
         ring_y = (height >> r[RING_ANY]) + r[RING_PX]
-    _box(s, LO_X, HI_X, NEXT_BOX_LO_X, NEXT_BOX_HI_X, i)
-    _box(s, LO_Y, HI_Y, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y, i)
+    _box(s, LO_X, HI_X, BOX_LO_X, BOX_HI_X, i)
+    _box(s, LO_Y, HI_Y, BOX_LO_Y, BOX_HI_Y, i)
     _surround(s, i, min(ring_x, r[RING_MAX]), min(ring_y, r[RING_MAX]))
 
 
 @step
 def _surround(s: Table, i: int, ring_x: int, ring_y: int) -> None:
-    """Slot i's next window, by the distances from its next box."""
-    s[i, NEXT_WIN_LO_X] = s[i, NEXT_BOX_LO_X] - ring_x
-    s[i, NEXT_WIN_HI_X] = s[i, NEXT_BOX_HI_X] + ring_x
-    s[i, NEXT_WIN_LO_Y] = s[i, NEXT_BOX_LO_Y] - ring_y
-    s[i, NEXT_WIN_HI_Y] = s[i, NEXT_BOX_HI_Y] + ring_y
+    """Slot i's window, by the distances from its box."""
+    s[i, WIN_LO_X] = s[i, BOX_LO_X] - ring_x
+    s[i, WIN_HI_X] = s[i, BOX_HI_X] + ring_x
+    s[i, WIN_LO_Y] = s[i, BOX_LO_Y] - ring_y
+    s[i, WIN_HI_Y] = s[i, BOX_HI_Y] + ring_y
 
 
 @step
@@ -152,12 +124,6 @@ def bounded(s: Table, r: Table, lo: int, hi: int, i: int) -> None:
 def in_window(s: Table, i: int, x: int, y: int) -> bool:
     """Whether a pixel lies in slot i's window."""
     return bool(s[i, WIN_LO_X] <= x and x <= s[i, WIN_HI_X] and s[i, WIN_LO_Y] <= y and y <= s[i, WIN_HI_Y])
-
-
-@njit(cache=True, nogil=True, inline="always")
-def in_box(s: Table, i: int, x: int, y: int) -> bool:
-    """Whether a pixel lies in slot i's box."""
-    return bool(s[i, BOX_LO_X] <= x and x <= s[i, BOX_HI_X] and s[i, BOX_LO_Y] <= y and y <= s[i, BOX_HI_Y])
 
 
 @step

@@ -73,7 +73,7 @@ class MotionModel(GoldenModel):
             raise ConfigError(f"slot[{slot}].mode = {int(mode)}: must be 0 (off) or 2 (seeded)")
         self._modes[slot] = mode
         room = np.zeros(1, MOTION_RECORD)
-        return room[: restart(self._state, self._globals, self._modes, self._places, slot, room)]
+        return room[: restart(self._state, self._limits, self._globals, self._modes, self._places, slot, room)]
 
     def write_registers(self, registers: MotionRegisters) -> None:
         """Change the registers of all slots before the next event, as commits do; tracks go on: docs/registers.md."""

@@ -6,10 +6,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ..._numba_private import step
+from ..._numba_private import njit, step
 from ._kernel import (
     BUSY,
     EXPIRED,

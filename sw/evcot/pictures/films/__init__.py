@@ -9,9 +9,9 @@ from ..._lazy import lazily
 from .look import Look
 
 if TYPE_CHECKING:
+    from .draw import Side, side_of
     from .film import render
-    from .states import Side, side_of
 
 __all__ = ["Look", "Side", "render", "side_of"]
 
-__getattr__, __dir__ = lazily(__name__, {"film": ("render",), "states": ("Side", "side_of")})
+__getattr__, __dir__ = lazily(__name__, {"film": ("render",), "draw": ("Side", "side_of")})

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A frame of a film: enlarged events, with trails, boxes and ids drawn over them, and the time in a corner."""
+"""A frame of a film: events that fade, with trails, boxes and ids drawn over them, and the time in a corner."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -13,11 +14,152 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from ..._numba_private import njit
+from ...events import Events, check_pixels
+from ...recordings.formats.source import Sensor
 from ...tracks.boxes import box_corners
-from .colours import GROUND, INK, RGB
-from .states import Follower
+from ...tracks.log import TrackLog
+from ...tracks.timeline import sample
 
-__all__ = ["compose", "size_of"]
+__all__ = [
+    "EVENTS",
+    "GROUND",
+    "INK",
+    "RGB",
+    "SIDES",
+    "Follower",
+    "Side",
+    "Surface",
+    "compose",
+    "hexadecimal",
+    "palette",
+    "shades",
+    "side_of",
+    "size_of",
+]
+
+
+RGB = tuple[int, int, int]
+
+GROUND: RGB = (11, 14, 18)
+EVENTS: tuple[RGB, RGB] = ((224, 139, 189), (47, 199, 154))  # OFF, ON
+INK: RGB = (230, 233, 237)
+SIDES: tuple[RGB, ...] = ((86, 180, 233), (255, 155, 71), (240, 228, 66), (255, 255, 255))
+
+_EVENT_SHADES, _LINE_SHADES = 96, 12
+
+
+def hexadecimal(rgb: RGB) -> str:
+    """The colour as "#rrggbb"."""
+    return "#{:02x}{:02x}{:02x}".format(*rgb)
+
+
+def shades(rgb: RGB, cover: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """(n, 3): a colour blended with the background by the opacities `cover`, (n,)."""
+    return np.round(cover[:, np.newaxis] * rgb + (1 - cover[:, np.newaxis]) * GROUND).astype(np.uint8)
+
+
+def palette() -> NDArray[np.uint8]:
+    """(256, 3): the colours of a picture, for formats with a palette."""
+    events = [shades(rgb, np.linspace(0, 1, _EVENT_SHADES)) for rgb in EVENTS]
+    lines = [shades(rgb, np.linspace(1, 0, _LINE_SHADES, endpoint=False)) for rgb in (*SIDES, INK)]
+    rows = np.concatenate([*events, *lines])
+    return np.concatenate([rows, np.tile(np.array([GROUND], np.uint8), (256 - len(rows), 1))])
+
+
+_LEVELS = 256
+_CUT = 5.0  # time constants after which an event is invisible
+_NEVER = np.iinfo(np.int64).min // 2
+
+
+class Surface:
+    """The time surface of a sensor; see the module.
+
+    Args:
+        decay_us: time constant with which events fade.
+    """
+
+    def __init__(self, sensor: Sensor, decay_us: float) -> None:
+        width, height = sensor
+        check_pixels(width, height)
+        self._decay_us = decay_us
+        self._t_us = np.full((height, width), _NEVER, np.int64)
+        self._p = np.zeros((height, width), np.uint8)
+        cover = np.exp(-_CUT * np.arange(_LEVELS + 1) / _LEVELS)
+        cover[-1] = 0
+        self._table = np.array([shades(rgb, cover) for rgb in EVENTS])
+
+    def add(self, events: Events) -> None:
+        """Add events, in order of time."""
+        _add(events.t_us, events.x, events.y, events.p, self._t_us, self._p)
+
+    def picture(self, now_us: int) -> NDArray[np.uint8]:
+        """(height, width, 3): the image at a time."""
+        image = np.empty((*self._t_us.shape, 3), np.uint8)
+        _paint(self._t_us, self._p, now_us, _LEVELS / (_CUT * self._decay_us), self._table, image)
+        return image
+
+
+@njit(cache=True, nogil=True)
+def _add(t_us, x, y, p, latest_us, latest_p):  # type: ignore[no-untyped-def]
+    """Store each event as the latest of its pixel."""
+    for i in range(len(t_us)):
+        latest_us[y[i], x[i]] = t_us[i]
+        latest_p[y[i], x[i]] = p[i]
+
+
+@njit(cache=True, nogil=True)
+def _paint(latest_us, latest_p, now_us, scale, table, image):  # type: ignore[no-untyped-def]
+    """Colours by polarity and age."""
+    faded = np.float64(table.shape[1] - 1)
+    for row in range(image.shape[0]):
+        for column in range(image.shape[1]):
+            level = min((now_us - latest_us[row, column]) * scale, faded)
+            for channel in range(3):
+                image[row, column, channel] = table[latest_p[row, column], np.int64(level), channel]
+
+
+_TRAIL_PICTURES = 300
+
+
+@dataclass(frozen=True)
+class Side:
+    """A track log with its display name and colour."""
+
+    name: str
+    log: TrackLog
+    colour: RGB
+
+
+def side_of(place: int, name: str, log: TrackLog) -> Side:
+    """The side for the log at index `place` of several."""
+    return Side(name, log, SIDES[place % len(SIDES)])
+
+
+class Follower:
+    """The visible tracks of a side, picture by picture.
+
+    Args:
+        times_us: (n,) times of the pictures, ascending.
+    """
+
+    def __init__(self, side: Side, times_us: NDArray[np.int64]) -> None:
+        self.side = side
+        self._states = sample(side.log, times_us)
+        self._begin = np.searchsorted(self._states["sample"], np.arange(len(times_us) + 1))
+        self._trails: dict[int, deque[tuple[float, float]]] = {}
+
+    def at(self, picture: int) -> tuple[NDArray[np.void], dict[int, deque[tuple[float, float]]]]:
+        """(states of dtype `timeline.SAMPLE`, track id -> past positions); must be called for the pictures in order."""
+        states = self._states[self._begin[picture] : self._begin[picture + 1]]
+        trails = {}
+        for track_id, x, y in zip(states["track_id"].tolist(), states["x"].tolist(), states["y"].tolist(), strict=True):
+            trail = self._trails.get(track_id)
+            trails[track_id] = deque(maxlen=_TRAIL_PICTURES) if trail is None else trail
+            trails[track_id].append((x, y))
+        self._trails = trails
+        return states, trails
+
 
 _FONT_PX = 13
 _MARGIN_PX = 6

@@ -13,12 +13,9 @@ from ...errors import ConfigError
 from ...events import Events
 from ...outputs import written_aside
 from ...recordings.formats.source import Sensor
-from .draw import compose, size_of
-from .encode import ENCODERS, check_encoder
+from .draw import Follower, Side, Surface, compose, size_of
+from .encode import ENCODERS, check_encoder, check_rerun, write_rerun
 from .look import RERUN, SUFFIXES, Look
-from .rerun_file import check_rerun, write_rerun
-from .states import Follower, Side
-from .surface import Surface
 
 __all__ = ["check_suffix", "picture_times", "render"]
 

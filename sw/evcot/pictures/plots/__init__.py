@@ -9,9 +9,9 @@ from ..._lazy import lazily
 from ..style import KINDS
 
 if TYPE_CHECKING:
-    from .figure import plot
+    from .figure import figure_of, plot
     from .material import Log, Material, density
 
-__all__ = ["KINDS", "Log", "Material", "density", "plot"]
+__all__ = ["KINDS", "Log", "Material", "density", "figure_of", "plot"]
 
-__getattr__, __dir__ = lazily(__name__, {"figure": ("plot",), "material": ("Log", "Material", "density")})
+__getattr__, __dir__ = lazily(__name__, {"figure": ("figure_of", "plot"), "material": ("Log", "Material", "density")})

@@ -1,31 +1,175 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A figure of stacked panels, with sizes in millimetres."""
+"""A figure of stacked panels, sizes in millimetres. Colours distinguish tracks of one log, else logs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import io
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from ...errors import ConfigError
+from ...tracks.log import Kind
+from ..panels import END_MARKERS, draw_alive, draw_merges
 from ..style import COLUMN_MM, DASHES, KINDS, PALETTE, RULES, save
-from .material import Material
-from .panels import alive_panel, lives_panel, place_panel, tracks_panel
+from .material import Log, Material
 
-__all__ = ["plot"]
+__all__ = ["NotebookFigure", "alive_panel", "figure_of", "lives_panel", "place_panel", "plot", "tracks_panel"]
+
+
+_DARKEST = 0.45  # of the pixel with the most events; paths must stand out
+_WIDER = 0.9  # points
+_LABELS_MAX = 24  # with more tracks, no labels are drawn
+_ROW_LABELS_MAX = 40
+
+
+def _styled(material: Material) -> Iterator[tuple[Log, NDArray[np.void], dict[str, Any]]]:
+    """All lives as (log, life, line style). Earlier logs have wider lines, so that later ones do not hide them."""
+    several = len(material.logs) > 1
+    for place, log in enumerate(material.logs):
+        width = 1.0 + _WIDER * (len(material.logs) - 1 - place)
+        lives = material.lives(log)
+        of_track = {track_id: i for i, track_id in enumerate(dict.fromkeys(lives["track_id"].tolist()))}
+        for life in lives:
+            colour = PALETTE[(place if several else of_track[int(life["track_id"])]) % len(PALETTE)]
+            yield log, life, {"color": colour, "linestyle": DASHES[place % len(DASHES)], "linewidth": width}
+
+
+def _lines(ax: Axes, material: Material, curve: tuple[str, str], name_at_end: bool) -> None:
+    """Draw a line per life of a track through two fields of its states; "t" is the time."""
+    paths = {log.name: material.paths(log) for log in material.logs}
+    few = sum(map(len, paths.values())) <= _LABELS_MAX
+    for log, life, look in _styled(material):
+        states = paths[log.name].get(int(life["track_id"]))
+        if states is None:
+            continue
+        times_us = material.times_us[states["sample"]]
+        states = states[(times_us >= life["birth_us"]) & (times_us <= life["end_us"])]
+        if not len(states):
+            continue
+        across, up = (material.axis(material.times_us[states["sample"]]) if field == "t" else states[field] for field in curve)
+        ax.plot(across, up, color="white", linewidth=look["linewidth"] + 1, alpha=0.7, zorder=1.5)
+        ax.plot(across, up, **look)
+        if few and name_at_end:
+            ax.annotate(
+                str(life["track_id"]), (across[-1], up[-1]), (2, 2), textcoords="offset points", color=look["color"],
+                fontsize=6, weight="bold", annotation_clip=True, path_effects=[withStroke(linewidth=1.5, foreground="white")],
+            )  # fmt: skip
+
+
+def tracks_panel(ax: Axes, material: Material) -> None:
+    """Draw the events in grey, and the paths of the tracks, each labelled at its end."""
+    height, width = material.counts.shape
+    full = max(float(np.quantile(some, 0.98)) if len(some := material.counts[material.counts > 0]) else 1.0, 1.0)
+    grey = 1 - _DARKEST * np.minimum(np.log1p(material.counts) / np.log1p(full), 1)
+    ax.imshow(
+        grey,
+        cmap="gray",
+        vmin=0,
+        vmax=1,
+        extent=(-0.5, width - 0.5, height - 0.5, -0.5),
+        interpolation="nearest",
+        aspect="equal",
+    )
+    _lines(ax, material, ("x", "y"), name_at_end=True)
+    ax.set_xlim(-0.5, width - 0.5)
+    ax.set_ylim(height - 0.5, -0.5)
+    for spine in ax.spines.values():
+        spine.set_visible(True)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(6, integer=True))
+    ax.set_xlabel("x (px)")
+    ax.set_ylabel("y (px)")
+
+
+def place_panel(ax: Axes, material: Material, field: str) -> None:
+    """Draw x or y of every track over time; the y axis points down, as on the sensor."""
+    _lines(ax, material, ("t", field), name_at_end=field == "x")
+    height, width = material.counts.shape
+    ax.set_ylim((-0.5, width - 0.5) if field == "x" else (height - 0.5, -0.5))
+    ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    ax.set_ylabel(f"{field} (px)")
+    _time(ax, material)
+
+
+def alive_panel(ax: Axes, material: Material) -> None:
+    """Draw the number of visible tracks over time."""
+    looks = [
+        {"color": PALETTE[place % len(PALETTE)], "linestyle": DASHES[place % len(DASHES)]}
+        for place in range(len(material.logs))
+    ]
+    counts = zip(map(material.alive, material.logs), looks, strict=True)
+    draw_alive(ax, material.axis(material.times_us), counts, "tracks alive")
+    _time(ax, material)
+
+
+def lives_panel(ax: Axes, material: Material) -> None:
+    """Draw every track from birth to end, one log above the other; a merge is linked to its survivor."""
+    lives = {log.name: material.lives(log) for log in material.logs}
+    tracks = dict.fromkeys((name, track_id) for name, some in lives.items() for track_id in some["track_id"].tolist())
+    rows = {track: row for row, track in enumerate(tracks)}  # one that was lost and found again stays in its row
+    for log, life, look in _styled(material):
+        _life(ax, material, life, rows[log.name, int(life["track_id"])], look["color"])
+    joins = [
+        (
+            (at := float(material.axis(life["end_us"])), rows[name, int(life["track_id"])]),
+            (at, rows[name, int(life["other_id"])]),
+        )
+        for name, some in lives.items()
+        for life in some[some["ended"] == Kind.MERGED]
+        if (name, int(life["other_id"])) in rows
+    ]
+    draw_merges(ax, joins, 0.5)
+    ax.set_ylim(max(len(rows), 1) - 0.3, -0.7)
+    every = -(-len(rows) // _ROW_LABELS_MAX) or 1
+    named = [(row, str(track_id)) for (_, track_id), row in rows.items() if row % every == 0]
+    ax.set_yticks([row for row, _ in named], [text for _, text in named])
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylabel("track id")
+    _time(ax, material)
+
+
+def _life(ax: Axes, material: Material, life: NDArray[np.void], row: int, colour: str) -> None:
+    begin, end = (float(material.axis(life[name])) for name in ("birth_us", "end_us"))
+    ax.hlines(row, begin, end, color=colour, linewidth=2.0)
+    marker = END_MARKERS[int(life["ended"])]
+    ax.plot(end, row, marker, color=colour, markersize=5 if marker == "|" else 3, clip_on=True)
+
+
+def _time(ax: Axes, material: Material) -> None:
+    begin, end = material.axis(np.array([material.from_us, material.to_us]))
+    margin = 0.015 * max(end - begin, 1e-9)
+    ax.set_xlim(begin - margin, end + margin)
+    ax.set_xlabel(f"time ({material.axis.unit})")
+
 
 _MM_PER_INCH = 25.4
 _SIDE_MM = (20.0, 1000.0)
 _DPI = (50.0, 1200.0)
 _LEGEND_MM = 5.0
 _ROW_MM = 2.6  # height of a row in the panel of lives
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows without Matplotlib's own set-up for notebooks."""
+
+    def _repr_png_(self) -> bytes:
+        """The figure as a PNG."""
+        file = io.BytesIO()
+        self.savefig(file, format="png")
+        return file.getvalue()
 
 
 @dataclass(frozen=True)
@@ -62,14 +206,32 @@ def plot(
     """Draw a figure and write it; the path's suffix is .png, .svg or .pdf. Equal material gives identical files.
 
     Args:
-        kinds: panels, from top to bottom, of `KINDS`.
-        width_mm, height_mm: size; by default the height required by the panels.
+        kinds, width_mm, height_mm: as of `figure_of`.
         dpi: resolution of a PNG, and of the image of events in the other formats.
         force: replace an existing file.
 
     Raises:
         ConfigError: an unknown kind or suffix, or an invalid size.
         OutputError: the file exists, or cannot be written.
+    """
+    figure = figure_of(material, kinds, width_mm=width_mm, height_mm=height_mm, dpi=dpi)
+    with matplotlib.rc_context(RULES):
+        save(figure, Path(path), dpi, force=force)
+
+
+def figure_of(
+    material: Material, kinds: Sequence[str] = ("tracks",), *, width_mm: float = COLUMN_MM[1],
+    height_mm: float | None = None, dpi: float = 300,
+) -> NotebookFigure:  # fmt: skip
+    """Draw a figure.
+
+    Args:
+        kinds: panels, from top to bottom, of `KINDS`.
+        width_mm, height_mm: size; by default the height required by the panels.
+        dpi: resolution.
+
+    Raises:
+        ConfigError: an unknown kind, or an invalid size.
     """
     unknown = next((kind for kind in kinds if kind not in _KINDS), None)
     if unknown is not None or not kinds:
@@ -83,14 +245,15 @@ def plot(
             raise ConfigError(f"{name} {value:g}: must be from {low:g} to {high:g}")
     with matplotlib.rc_context(RULES):
         size = width_mm / _MM_PER_INCH, whole_mm / _MM_PER_INCH
-        figure = Figure(figsize=size, dpi=dpi, facecolor="white", layout=ConstrainedLayoutEngine(w_pad=0.02, h_pad=0.02))
+        layout = ConstrainedLayoutEngine(w_pad=0.02, h_pad=0.02)
+        figure = NotebookFigure(figsize=size, dpi=dpi, facecolor="white", layout=layout)
         FigureCanvasAgg(figure)
         axes = figure.subplots(len(panels), 1, squeeze=False, height_ratios=heights)[:, 0]
         for ax, panel in zip(axes, panels, strict=True):
             panel.draw(ax, material)
         if legend_mm:
             figure.legend(handles=_legend(material), loc="outside upper center", ncols=len(material.logs), handlelength=2.5)
-        save(figure, Path(path), dpi, force=force)
+    return figure
 
 
 def _legend(material: Material) -> list[Line2D]:

@@ -14,7 +14,7 @@ from ...events import Events, check_pixels
 from ...recordings.formats.source import Sensor
 from ...tracks.log import TrackLog
 from ...tracks.timeline import alive, lifetimes, sample
-from ..over_time import TimeAxis
+from ..panels import TimeAxis
 
 __all__ = ["Log", "Material", "density"]
 

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 from ..._lazy import lazily
 
 if TYPE_CHECKING:
-    from .registry import FORMATS, WRITABLE
+    from .registry import format_of, formats
+    from .writable import WRITABLE
 
-__all__ = ["FORMATS", "WRITABLE", "WRITABLE_NAMES"]
+__all__ = ["WRITABLE", "WRITABLE_NAMES", "format_of", "formats"]
 
 WRITABLE_NAMES = ("npz", "csv", "evt3", "evt2", "aedat4")  # the keys of WRITABLE, for whoever need not import a writer
 
-__getattr__, __dir__ = lazily(__name__, {"registry": ("FORMATS", "WRITABLE")})
+__getattr__, __dir__ = lazily(__name__, {"registry": ("format_of", "formats"), "writable": ("WRITABLE",)})

@@ -7,9 +7,8 @@ Digits are parsed eight at a time in one 64-bit word: located, shifted to its up
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from ..._numba_private import step
+from ..._numba_private import njit, step
 
 __all__ = ["LINE_BYTES", "PADDING_BYTES", "SHORTEST_LINE_BYTES", "UNUSED", "P", "T", "X", "Y", "format_lines", "parse_lines"]
 

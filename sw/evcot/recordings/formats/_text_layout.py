@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ._text_kernel import UNUSED, P, T, X, Y
 from .column_order import SAMPLED_ROWS, column_order, order_text
-from .fields import UNITS, Naming, find_fields
+from .numeric import UNITS, Naming, find_fields
 from .printable import whole_number
 from .source import Sensor
 

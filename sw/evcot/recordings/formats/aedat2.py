@@ -30,10 +30,9 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
-from .chips import chip_sensor
 from .printable import shortened
+from .sensors import chip_sensor, mirrored
 from .source import BLOCK_EVENTS, Format, Sensor
-from .upright import mirrored
 
 __all__ = ["FORMATS", "Aedat2File"]
 

@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import njit
 from ...errors import RecordingError
 from ...events import Events
-from .chips import chip_sensor
-from .gather import batches
+from .blocks import batches
+from .sensors import chip_sensor
 from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS", "MAGIC", "Aedat3File"]

@@ -25,16 +25,24 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import njit
 from ...errors import RecordingError
 from ...events import Events
-from .aedat4_header import HEADER_BYTES_MAX, Header, parse_header, type_of
-from .aedat4_table import NONE_UNLIKE, PacketTable, Spans, Unlike, parse_table
-from .ahead import in_order
+from .aedat4_metadata import (
+    HEADER_BYTES_MAX,
+    NONE_UNLIKE,
+    Header,
+    PacketTable,
+    Spans,
+    Unlike,
+    parse_header,
+    parse_table,
+    type_of,
+)
+from .blocks import batches, in_order
 from .flatbuffers import root_table, size_prefixed, usual_vector, vector_head
-from .gather import batches
 from .packing import Section, TooLarge, Unpacker
 from .source import BLOCK_EVENTS, Format, Sensor
 

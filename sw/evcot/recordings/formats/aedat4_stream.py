@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from ...errors import RecordingError
 from ...events import Events
 from .aedat4 import MAGIC, PACKET_HEAD, events_of
-from .aedat4_header import HEADER_BYTES_MAX, Header, parse_header
+from .aedat4_metadata import HEADER_BYTES_MAX, Header, parse_header
 from .source import Sensor
 
 __all__ = ["Aedat4Stream"]

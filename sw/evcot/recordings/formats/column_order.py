@@ -24,7 +24,7 @@ __all__ = ["SAMPLED_ROWS", "Order", "column_order", "order_text"]
 
 Order = tuple[int, int, int, int]  # the columns of t, x, y, p
 
-SAMPLED_ROWS = 256
+SAMPLED_ROWS = 4096  # more than a row of pixels: events of a whole frame, pixel by pixel, may all have one time
 _FEWEST_ROWS = 16  # with less, how times go on says nothing
 _ORDERS: tuple[Order, ...] = ((0, 1, 2, 3), (2, 0, 1, 3), (3, 0, 1, 2), (1, 2, 3, 0), (3, 1, 2, 0))
 _POLARITIES = (-1, 0, 1, *(float((1 << bits) - 1) for bits in (8, 16, 32, 64)))  # the last four are -1 without its sign
@@ -87,12 +87,16 @@ def _range(column: NDArray[np.float64]) -> float:
 
 
 def _is_scan(column: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    """Whether two columns are addresses of one frame, pixel by pixel along rows or columns: `column` is the slow one and has
-    equal values, or the fast one and starts again."""
+    """Whether two columns are addresses of frames, pixel by pixel along rows or columns, but for a few steps: `column` is the
+    slow one and has equal values, or the fast one and starts again."""
     step, other_step = np.diff(column), np.diff(other)
-    slow = bool(((step > 0) | ((step == 0) & (other_step > 0))).all()) and bool((step == 0).any())
-    fast = bool(((other_step > 0) | ((other_step == 0) & (step > 0))).all()) and bool((step < 0).any())
+    slow = _mostly((step > 0) | ((step == 0) & (other_step > 0))) and bool((step == 0).any())
+    fast = _mostly((other_step > 0) | ((other_step == 0) & (step > 0))) and bool((step < 0).any())
     return slow or fast
+
+
+def _mostly(steps: NDArray[np.bool_]) -> bool:
+    return bool(steps.mean() >= 1 - _DISORDER) if len(steps) else True
 
 
 def _back(column: NDArray[np.float64]) -> float:

@@ -18,10 +18,9 @@ https://github.com/prophesee-ai/hdf5_ecf. There is no such plug-in of the HDF5 l
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ..._numba_private import step
+from ..._numba_private import njit, step
 from ...errors import RecordingError
 from .numeric import RECORD
 

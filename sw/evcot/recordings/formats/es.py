@@ -17,12 +17,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
+from ..._numba_private import njit
 from ...errors import RecordingError
 from ...events import Events
+from .sensors import mirrored
 from .source import BLOCK_EVENTS, Format, Sensor
-from .upright import mirrored
 
 __all__ = ["FORMATS", "MAGIC", "EsFile"]
 

@@ -12,11 +12,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from .time_marks import advance, place_of_mark
-from .vectors import put_vector
-from .words import Layout, WordArray, Words
+from ..._numba_private import njit
+from .words import Layout, WordArray, Words, advance, place_of_mark, put_vector
 
 __all__ = ["evt2_layout", "evt21_layout", "is_upper_first"]
 

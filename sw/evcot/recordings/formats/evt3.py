@@ -11,12 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from ..._numba_private import step
-from .time_marks import advance
-from .vectors import put_vector
-from .words import Layout, Words
+from ..._numba_private import njit, step
+from .words import Layout, Words, advance, put_vector
 
 __all__ = ["evt3_layout"]
 

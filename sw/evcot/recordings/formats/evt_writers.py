@@ -12,9 +12,9 @@ from collections.abc import Callable
 from typing import Any, BinaryIO, ClassVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import njit
 from ...errors import RecordingError
 from ...events import Events
 from . import evt2, evt3

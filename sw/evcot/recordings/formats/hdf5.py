@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 from . import ecf
-from .ahead import in_order
-from .fields import UNITS
+from .blocks import in_order
 from .hdf5_chunks import Chunks, joined
 from .hdf5_survey import Part, Survey, survey
-from .numeric import events_from_numbers, events_from_records, microseconds, whole_numbers
+from .numeric import UNITS, events_from_numbers, events_from_records, microseconds, whole_numbers
 from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format, Sensor
 
@@ -36,8 +35,8 @@ _READ_ROWS = 1 << 17  # minimum rows per read: a call of the library has a high 
 class Rows:
     """A dataset's rows, read in consecutive slices: every chunk is read and decompressed only once."""
 
-    def __init__(self, dataset: Any, chunk_rows: int, axis: int = 0) -> None:
-        self._dataset, self._chunks = dataset, Chunks(dataset, axis)
+    def __init__(self, dataset: Any, chunk_rows: int, axis: int = 0, line: int = 0) -> None:
+        self._dataset, self._chunks = dataset, Chunks(dataset, axis, line)
         self._step = chunk_rows * -(-_READ_ROWS // chunk_rows)
         self._begin = self._end = 0
         self._held: NDArray[Any] = np.empty(0)
@@ -238,7 +237,7 @@ def open_dataset(file: Any, part: Part) -> Any:
 
 def open_rows(file: Any, part: Part) -> Rows:
     """The rows of a part of a survey; raises as `open_dataset` does."""
-    return Rows(open_dataset(file, part), part["chunk"], part["axis"])
+    return Rows(open_dataset(file, part), part["chunk"], part["axis"], part["line"])
 
 
 def _check_filter(dataset: str, code: int, name: str) -> None:

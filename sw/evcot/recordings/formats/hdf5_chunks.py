@@ -30,18 +30,19 @@ _SLACK_BYTES = 1 << 16  # for checksums and headers of other filters
 
 
 class Chunks:
-    """A dataset's rows along one axis of one or two; see `Hdf5File` for which datasets are read this way."""
+    """A dataset's rows along one axis of one or two; along the second, of one line only. See `Hdf5File` for which datasets are
+    read this way."""
 
-    def __init__(self, dataset: Any, axis: int = 0) -> None:
+    def __init__(self, dataset: Any, axis: int = 0, line: int = 0) -> None:
         from h5py import h5t
 
-        self._dataset, self._axis = dataset, axis
+        self._dataset, self._axis, self._line = dataset, axis, line
         creation = dataset.id.get_create_plist()
         self._filters = [creation.get_filter(i) for i in range(creation.get_nfilters())] if dataset.chunks else []
         codes = [int(each[0]) for each in self._filters]
         self._deflates = _DEFLATE in codes
         self.is_ecf = codes == [ecf.FILTER] and dataset.dtype == RECORD and dataset.ndim == 1
-        self._across = dataset.ndim == 1 or dataset.chunks is None or dataset.chunks[1 - axis] == dataset.shape[1 - axis]
+        self._across = axis == 1 or dataset.ndim == 1 or dataset.chunks is None or dataset.chunks[1] == dataset.shape[1]
         self._here = (
             codes in ([_DEFLATE], [_SHUFFLE, _DEFLATE])
             and self._across
@@ -73,7 +74,7 @@ class Chunks:
         return joined([self._chunk(at)[max(begin - at, 0) : end - at] for at in places])
 
     def _by_library(self, begin: int, end: int) -> NDArray[Any]:
-        rows: NDArray[Any] = self._dataset[0, begin:end] if self._axis else self._dataset[begin:end]
+        rows: NDArray[Any] = self._dataset[self._line, begin:end] if self._axis else self._dataset[begin:end]
         return rows
 
     @property
@@ -94,7 +95,9 @@ class Chunks:
         return mask, packed
 
     def _offset(self, at: int) -> tuple[int, ...]:
-        return (0, at) if self._axis else (at,) + (0,) * (self._dataset.ndim - 1)
+        if self._axis:
+            return self._line - int(self._line % self._dataset.chunks[0]), at
+        return (at, *[0] * (int(self._dataset.ndim) - 1))
 
     def _chunk(self, at: int) -> NDArray[Any]:
         """The rows of the chunk that begins at a row, including those beyond the dataset's end."""
@@ -107,8 +110,10 @@ class Chunks:
         if len(content) != self._bytes:
             raise RecordingError(f"chunk unpacks to {len(content)} bytes: must be {self._bytes}")
         rows = np.frombuffer(content, self._dataset.dtype)
-        sides = [side for axis, side in enumerate(self._dataset.chunks) if axis != self._axis]
-        return rows if self._axis or not sides else rows.reshape(-1, *sides)
+        if self._axis:
+            line: NDArray[Any] = rows.reshape(self._dataset.chunks)[self._line % self._dataset.chunks[0]]
+            return line
+        return rows.reshape(-1, *self._dataset.chunks[1:])
 
     def _ecf_chunk(self, at: int) -> NDArray[Any]:
         """The rows of a chunk in ECF, all or those within the dataset; the codec is optional, as any filter."""
@@ -122,13 +127,11 @@ class Chunks:
 
     def _measure(self, at: int) -> None:
         """Refuse a row of chunks if one of them expands to more than a chunk."""
-        across = 1 - self._axis
-        steps = range(0, self._dataset.shape[across], self._dataset.chunks[across]) if self._dataset.ndim == 2 else (0,)
-        for step in steps:
-            place = list(self._offset(at))
-            if self._dataset.ndim == 2:
-                place[across] = step
-            mask, packed = self._packed(tuple(place))
+        places = [self._offset(at)]
+        if self._dataset.ndim == 2 and not self._axis:
+            places = [(at, step) for step in range(0, self._dataset.shape[1], self._dataset.chunks[1])]
+        for place in places:
+            mask, packed = self._packed(place)
             for i, (code, *_) in reversed(list(enumerate(self._filters))):
                 if code == _DEFLATE and not mask >> i & 1:
                     _inflated(packed, self._bytes + _SLACK_BYTES)

@@ -53,8 +53,9 @@ def survey(path: Path, *, matlab: bool = False, first: str = "") -> Survey:
     filters), "count", "t_offset", "index", "sensor", "details", and the "others" that hold events.
 
     Args:
-        matlab: accept any struct with the fields x, y, p, ts, whose columns may be matrices of one row.
-        first: the struct to take of several, if it is there.
+        matlab: accept any struct with the fields x, y, p, ts, and variables of these names, which may be matrices of one row;
+            or, without them, a matrix of four columns, which are then called 0 to 3.
+        first: the struct or matrix to take of several, if it is there.
 
     Raises:
         RecordingError: the file holds no events in a known layout, or its metadata are damaged.
@@ -89,13 +90,13 @@ def _survey(path: str, matlab: bool, first: str) -> Survey:
     _bound_memory()
     with h5py.File(path, "r") as file:
         size = Path(path).stat().st_size
-        places = [(name, "") for name in file if name != "#refs#"] if matlab else _PLACES
+        places = [*((name, "") for name in file if name != "#refs#"), ("/", "")] if matlab else _PLACES
         present = sorted((place for place in places if _is_here(file, place[0])), key=lambda place: place[0] != first)
         if not any(_columns(file[place]) for place, _ in present):
             present = [(place, "") for place in _groups(file)]
         for at, (place, index) in enumerate(present):
             columns = _columns(file[place])
-            if columns:
+            if columns and (not matlab or isinstance(file[place], h5py.Group)):
                 counts = {field: _check(file[part["dataset"]], part, size, matlab) for field, part in columns.items()}
                 held_bytes = sum({part["dataset"]: part["chunk_bytes"] for part in columns.values()}.values())
                 if held_bytes > _MOST_CHUNK_BYTES:
@@ -115,8 +116,33 @@ def _survey(path: str, matlab: bool, first: str) -> Survey:
                     "others": others,
                     "details": {"events": place} | ({"also holds": ", ".join(others)} if others else {}),
                 }
+        matrices = _matrices(file) if matlab else {}
+        if matrices:
+            name = first if first in matrices else max(sorted(matrices), key=lambda each: matrices[each]["0"]["rows"])
+            for part in matrices[name].values():
+                _check(file[name], part, size, matlab)
+            return {
+                "columns": matrices[name],
+                "count": matrices[name]["0"]["rows"],
+                "others": [other for other in matrices if other != name],
+                "details": {"events": name},
+            }
         found = ", ".join(sorted(file)[:8]) or "nothing"
         raise _Refusal(f"holds no events in a known layout: has {found} at its top level")
+
+
+def _matrices(file: Any) -> dict[str, dict[str, Part]]:
+    """The columns of each matrix of four, which MATLAB stores as four rows."""
+    import h5py
+
+    found: dict[str, dict[str, Part]] = {}
+    for name in file:
+        matrix = file[name]
+        if isinstance(matrix, h5py.Dataset) and matrix.ndim == 2 and matrix.shape[0] == 4 and matrix.dtype.kind in "iuf":
+            own = _part(matrix, None)
+            own |= {"axis": 1, "rows": matrix.shape[1], "chunk": matrix.chunks[1] if own["chunk_bytes"] else 1}
+            found[name] = {str(line): own | {"line": line} for line in range(4)}
+    return found
 
 
 def _groups(file: Any) -> list[str]:
@@ -183,6 +209,7 @@ def _part(dataset: Any, pick: str | int | None) -> Part:
         "dataset": dataset.name,
         "pick": pick,
         "axis": axis,
+        "line": 0,
         "chunk": packed[axis] if packed else 1,
         "chunk_bytes": chunk_bytes if packed else 0,
         "filters": [[int(each[0]), each[3].decode(errors="replace")] for each in filters],
@@ -194,7 +221,7 @@ def _check(dataset: Any, part: Part, file_bytes: int, matlab: bool) -> int:
     name, pick = dataset.name, part["pick"]
     dtype = dataset.dtype[pick] if isinstance(pick, str) else dataset.dtype
     flat = dataset.shape is not None and (
-        dataset.ndim == 1 or (dataset.ndim == 2 and (1 in dataset.shape if matlab else pick is not None))
+        dataset.ndim == 1 or (dataset.ndim == 2 and (part["axis"] or 1 in dataset.shape if matlab else pick is not None))
     )
     if not flat or dtype.kind not in "iufb" or dtype.itemsize > 8:
         raise _Refusal(f"{name}: is {dataset.shape} of {dtype}: must be a list of numbers")
@@ -211,7 +238,7 @@ def _check(dataset: Any, part: Part, file_bytes: int, matlab: bool) -> int:
             raise _Refusal(f"{name}: holds {held} of {chunks} chunks: must hold all")
     elif dataset.id.get_storage_size() != dataset.nbytes or (dataset.id.get_offset() or 0) + dataset.nbytes > file_bytes:
         raise _Refusal(f"{name}: of its {dataset.nbytes} bytes not all are in the file; is it cut off?")
-    return int(dataset.size if pick is None else dataset.shape[0])
+    return int(dataset.shape[part["axis"]] if pick is not None or part["axis"] else dataset.size)
 
 
 def _index(file: Any, name: str, file_bytes: int) -> Part | None:

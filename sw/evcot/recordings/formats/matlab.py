@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""MATLAB files with a struct of events, as the tools around the ATIS and N-MNIST write it: TD.x, TD.y, TD.p, TD.ts; or, in
-version 5 to 7, with a matrix of four columns.
+"""MATLAB files with a struct of events, as the tools around the ATIS and N-MNIST write it: TD.x, TD.y, TD.p, TD.ts; with
+variables of these names; or with a matrix of four columns.
 
 The fields may have any of the names in `hdf5_survey.NAMES`.
 
@@ -8,8 +8,8 @@ Of several structs, TD is read: in files of the ATIS it has the changes, and EM 
 
 MATLAB counts pixels from 1, and so do these tools; other exporters count from 0. The data decide: if some x or y is 0, both
 are counted from 0, else from 1. A polarity of 2 implies the coding 1 and 2, one of -1 the coding -1 and 1, neither 0 and 1.
-`ts` is in microseconds. Without a struct, the longest matrix of four columns is read; `column_order` says what they are. Its
-times are in seconds if those of the first block are not all whole.
+`ts` is in microseconds, or in seconds if the numbers of the first block are not all whole. Without a struct or such variables,
+the longest matrix of four columns is read; `column_order` says what they are.
 
 Files of version 5 to 7 are decoded here; one of 7.3 is HDF5.
 https://www.mathworks.com/help/pdf_doc/matlab/matfile_format.pdf
@@ -21,7 +21,7 @@ import io
 import math
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -32,10 +32,9 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 from .column_order import SAMPLED_ROWS, Order, column_order, order_text
-from .fields import UNITS
 from .hdf5 import open_file, open_rows
 from .hdf5_survey import NAMES, survey
-from .numeric import microseconds, whole_numbers, without_unsigned_minus_one
+from .numeric import UNITS, microseconds, whole_numbers, without_unsigned_minus_one
 from .packing import Section
 from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format, Sensor
@@ -43,7 +42,9 @@ from .source import BLOCK_EVENTS, Format, Sensor
 __all__ = ["FORMATS"]
 
 _CHANGES = "TD"  # the struct with change detection
+_VARIABLES = "/"  # stands for the file's variables, as if they were a struct's fields
 _FIELDS = ("x", "y", "p", "ts")
+_NAMES_OF_FIELDS = frozenset(name for field in _FIELDS for name in NAMES[field.removesuffix("s")])
 _HEADER_BYTES = 128
 # Element types; those that hold numbers -> dtype.
 _INT8, _INT32, _UINT32, _MATRIX, _COMPRESSED = 1, 5, 6, 14, 15
@@ -183,8 +184,8 @@ class _Place:
 
 
 def _find_events(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
-    """The name and columns of a struct of events, or of a matrix of four columns, which are called 0 to 3; None for any other
-    variable."""
+    """The name and columns of a struct of events, of a matrix of four columns, which are called 0 to 3, or of a vector called
+    like a field, whose column has no name; None for any other variable."""
     kind, _ = elements.tag()
     if kind != _MATRIX:
         return None
@@ -194,6 +195,8 @@ def _find_events(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
         rows, whole = sides[0], _find_values(name, math.prod(sides), elements)
         step = rows * whole.dtype.itemsize
         return name, {str(i): _Place(whole.dtype, whole.at + i * step, rows) for i in range(4)}
+    if _DOUBLE <= matrix <= _UINT64 and len(sides) == 2 and min(sides) == 1 and name in _NAMES_OF_FIELDS:
+        return name, {"": _find_values(name, math.prod(sides), elements)}
     if matrix != _STRUCT or math.prod(sides) != 1:
         return None
     width = elements.whole_numbers(_INT32)
@@ -201,8 +204,8 @@ def _find_events(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
     if len(width) != 1 or not 0 < width[0] <= len(names):
         return None
     fields = [names[at : at + width[0]].split(b"\0")[0].decode("latin-1") for at in range(0, len(names), width[0])]
-    called = {next((name for name in NAMES[field.removesuffix("s")] if name in fields), None): field for field in _FIELDS}
-    if None in called:
+    called = _called(fields)
+    if called is None:
         return None
     places: dict[str, _Place] = {}
     for field in fields:
@@ -212,6 +215,12 @@ def _find_events(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
             places[called[field]] = _find_numbers(field, elements)
         elements.go_to(behind)
     return name, places
+
+
+def _called(names: Collection[str]) -> dict[str, str] | None:
+    """Name -> which of `_FIELDS` it means; None unless all of them are there."""
+    called = {next((name for name in NAMES[field.removesuffix("s")] if name in names), ""): field for field in _FIELDS}
+    return None if "" in called else called
 
 
 def _matrix_head(elements: _Elements) -> tuple[int, list[int], str]:
@@ -312,6 +321,7 @@ def _read_version_5(file: io.BufferedReader, wanted: str | None) -> _Struct:
     others = 0
     structs: dict[str, dict[str, _Column]] = {}
     matrices: dict[str, dict[str, _Column]] = {}
+    vectors: dict[str, _Column] = {}
     while at < size:
         outer = _Elements(Section(file, at, size - at), order, size - at, at)
         kind, length = outer.tag()
@@ -326,12 +336,21 @@ def _read_version_5(file: io.BufferedReader, wanted: str | None) -> _Struct:
             found = _find_events(_Elements(open_variable(), order, size - begin, begin))
         if found is not None:
             name, places = found
-            kept = matrices if "0" in places else structs
-            kept[name] = {field: _Stored(field, place, open_variable) for field, place in places.items()}
+            columns: dict[str, _Column] = {
+                field: _Stored(field or name, place, open_variable) for field, place in places.items()
+            }
+            if "" in columns:
+                vectors[name] = columns[""]
+            else:
+                (matrices if "0" in places else structs)[name] = columns
         others += found is None
+    called = _called(vectors)
+    if called is not None:
+        structs[_VARIABLES] = {field: vectors[name] for name, field in called.items()}
     if not structs and matrices:
         return _of_matrices(matrices, wanted)
     if not structs:
+        others += len(vectors)
         count = "1 variable" if others == 1 else f"{others} variables"
         raise RecordingError(f"holds {count}, no struct with the fields {', '.join(_FIELDS)}, and no matrix of four columns")
     name = _choose([*structs], wanted)
@@ -378,8 +397,16 @@ def _read_version_7_3(path: Path, wanted: str | None) -> tuple[_Struct, Any]:
     except BaseException:
         file.close()
         raise
+    name, others = found["details"]["events"], found["others"]
     columns: dict[str, _Column] = {"ts" if field == "t" else field: _InHdf5(rows) for field, rows in held.items()}
-    return (found["details"]["events"], columns, found["others"], None), file
+    if "0" not in columns:
+        return (name, columns, others, None), file
+    try:
+        name, columns, _, order = _of_matrices({name: columns}, None)
+    except BaseException:
+        file.close()
+        raise
+    return (name, columns, others, order), file
 
 
 class _MatlabFile:
@@ -395,17 +422,21 @@ class _MatlabFile:
                 self._file.seek(0)
                 name, self._columns, others, order = _read_version_5(self._file, wanted)
             self._look_over()
-            self._in_seconds = order is not None and _has_fractions(self._columns["ts"])
+            self._in_seconds = _has_fractions(self._columns["ts"])
         except BaseException:
             self._file.close()
             raise
         self.sensor: Sensor | None = None
         self.left_out: Counter[str] = Counter()
         self.remarks: list[str] = []
-        details = {"struct" if order is None else "matrix": printable(name), "pixels": f"counted from {self._first}"}
+        kind = "struct" if order is None else "matrix"
+        details = {"variables": ", ".join(_FIELDS)} if name == _VARIABLES else {kind: printable(name)}
+        details |= {"pixels": f"counted from {self._first}"}
+        if self._in_seconds or order is not None:
+            details["times in"] = UNITS[6 if self._in_seconds else 0]
         if order is not None:
             named = f"{order_text(order)}, assumed by their values; a struct with the fields {', '.join(_FIELDS)} names them"
-            details |= {"times in": UNITS[6 if self._in_seconds else 0], "columns": named}
+            details["columns"] = named
         self.details: Mapping[str, str] = details | ({"also holds": ", ".join(map(printable, others))} if others else {})
 
     def _look_over(self) -> None:

@@ -11,7 +11,7 @@ import tokenize
 import warnings
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -156,19 +156,28 @@ class _Directory(io.FileIO):
         return super().read(size) or b""
 
 
-def npz_arrays(path: Path) -> dict[str, StoredArray]:
-    """The arrays of an .npz file by name; a compressed array is checked for damage only when read from its start."""
+def npz_arrays(path: Path, *, beside: Collection[str] = ()) -> dict[str, StoredArray]:
+    """The arrays of an .npz file by name; a compressed array is checked for damage only when read from its start.
+
+    Args:
+        beside: where an array of such a name is there, others that cannot be read, as of objects, are left out.
+    """
     with damage_named("is a damaged npz"), _Directory(path) as file, zipfile.ZipFile(file) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
     if len(members) > _ARRAYS_MAX:
         raise RecordingError(f"holds {len(members)} arrays: must be at most {_ARRAYS_MAX}")
     arrays: dict[str, StoredArray] = {}
+    names = {info.filename.removesuffix(".npy") for info in members}
     for info in members:
         name = info.filename.removesuffix(".npy")
         if name in arrays:
             raise RecordingError(f"is a damaged npz: has two arrays {name!r}")
         stored = info.compress_type == zipfile.ZIP_STORED
-        arrays[name] = _array(repr(name), _member_opener(path, info), stored)
+        try:
+            arrays[name] = _array(repr(name), _member_opener(path, info), stored)
+        except RecordingError:
+            if name in beside or names.isdisjoint(beside):
+                raise
     return arrays
 
 

@@ -22,14 +22,15 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 from .column_order import SAMPLED_ROWS, column_order, order_text
-from .fields import UNITS, find_fields
-from .numeric import microseconds, polarities, whole_numbers
+from .numeric import UNITS, find_fields, microseconds, polarities, whole_numbers
 from .numpy_arrays import StoredArray, npy_array, npz_arrays
 from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS"]
 
 _LATEST_US = 1 << 62
+_EVIMO = "events"  # the array of EVIMO and of EVIMO2 in its first version: rows t, x, y, p, among depth, masks and objects
+_EVIMO_2 = ("events_t", "events_xy", "events_p")
 
 
 @dataclass(frozen=True)
@@ -192,14 +193,16 @@ def _first_values(column: _Column) -> NDArray[Any]:
 
 
 def _open_npz(path: Path) -> _NumpySource:
-    arrays = npz_arrays(path)
+    arrays = npz_arrays(path, beside=(_EVIMO, *_EVIMO_2))
     if not arrays:
         raise RecordingError("is a zip file without NumPy arrays")
     only = next(iter(arrays.values())) if len(arrays) == 1 else None
     if only is not None and (only.dtype.names or len(only.shape) == 2):
         return _of_one_array(only)
-    if {"events_t", "events_xy", "events_p"} <= arrays.keys() and len(arrays["events_xy"].shape) == 2:
-        return _open_evimo(arrays)
+    if set(_EVIMO_2) <= arrays.keys() and len(arrays["events_xy"].shape) == 2:
+        return _open_evimo_2(arrays)
+    if _EVIMO in arrays and arrays[_EVIMO].shape[1:] == (4,):
+        return _of_one_array(arrays[_EVIMO])
     names = list(arrays)
     try:
         naming = find_fields(names)
@@ -209,8 +212,9 @@ def _open_npz(path: Path) -> _NumpySource:
     return _NumpySource([_Column(arrays[names[i]]) for i in naming.columns], naming.power, sensor)
 
 
-def _open_evimo(arrays: Mapping[str, StoredArray]) -> _NumpySource:
-    """The arrays of EVIMO and EVIMO2: times in seconds, places in pairs. https://better-flow.github.io/evimo"""
+def _open_evimo_2(arrays: Mapping[str, StoredArray]) -> _NumpySource:
+    """The arrays of EVIMO2: times in seconds, places in pairs x, y, polarity 1 for ON, by the writer and the viewer in
+    https://github.com/better-flow/evimo; that of the Samsung camera is inverted."""
     pairs = arrays["events_xy"]
     if pairs.shape[1] != 2 or pairs.fortran_order:
         raise RecordingError(f"events_xy: is {pairs.shape} of {pairs.dtype}: must be (n, 2), row by row")
@@ -223,7 +227,7 @@ def _open_evimo(arrays: Mapping[str, StoredArray]) -> _NumpySource:
         _Column(arrays["events_p"], lowest_bit=True),
     ]
     source = _NumpySource(columns, 6)
-    source.details["polarity"] = "the lowest bit of events_p"
+    source.details["polarity"] = "the lowest bit of events_p; EVIMO2 states that of the Samsung camera as inverted"
     return source
 
 

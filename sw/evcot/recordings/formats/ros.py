@@ -12,8 +12,7 @@ import numpy as np
 
 from ...errors import RecordingError
 from ...events import Events
-from .ahead import in_order
-from .gather import batches, gathered
+from .blocks import batches, gathered, in_order
 from .printable import printable
 from .ros_messages import PACKETS, STAMPED, STAMPED_ENCODING, Packet, Stamped, events_of, read_packet, read_stamped
 from .ros_packets import EVT3, PacketDecoder, check_encoding

@@ -14,9 +14,9 @@ from struct import Struct
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import njit
 from ...errors import RecordingError
 from ...events import Events
 from .source import Sensor

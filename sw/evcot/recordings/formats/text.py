@@ -30,9 +30,8 @@ from ...errors import RecordingError
 from ...events import Events
 from ._text_kernel import LINE_BYTES, PADDING_BYTES, SHORTEST_LINE_BYTES, format_lines, parse_lines
 from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, is_text, read_layout
-from .ahead import in_order
-from .fields import UNITS
-from .numeric import without_unsigned_minus_one
+from .blocks import in_order
+from .numeric import UNITS, without_unsigned_minus_one
 from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]

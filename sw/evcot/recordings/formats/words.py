@@ -1,21 +1,93 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files with a header and words of one width: read in pieces, decoded with the state carried over from piece to piece."""
+"""Files with a header and words of one width, decoded piece by piece; truncated time marks, and locating a time in a file."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..._numba_private import njit, step
 from ...errors import RecordingError
 from ...events import Events
 from .source import BLOCK_EVENTS, Sensor
 
-__all__ = ["Layout", "State", "WordArray", "WordFile", "Words"]
+__all__ = ["FirstMark", "Layout", "State", "WordArray", "WordFile", "Words", "advance", "place_of_mark", "put_vector"]
+
+
+# A kernel (words, least) -> (index, mark) of the first time mark >= `least`; the index is len(words) if there is none.
+FirstMark = Callable[[NDArray[Any], int], tuple[int, int]]
+
+_PLACES = 256
+_ROUNDS = 2  # the range that is then left of a file of 4 GiB is read in a millisecond
+_PIECE_WORDS = 512
+
+
+@njit(cache=True, nogil=True, inline="always")
+def advance(high, mark, mark_range):  # type: ignore[no-untyped-def]
+    """Unwrap a mark that follows the unwrapped mark `high` (< 0: none yet): a drop by more than half is a wrap-around."""
+    if high < 0:
+        return mark
+    turns = high // mark_range
+    if high - turns * mark_range - mark > mark_range // 2:
+        turns += 1
+    return turns * mark_range + mark
+
+
+def place_of_mark(words: Words, first_mark: FirstMark, least: int) -> int:
+    """Index of the first mark >= `least`, found without reading all words; 0 if marks decrease or none is that high.
+
+    Decreasing marks have wrapped around: then only a sequential read can count the wrap-arounds. Marks are sampled at 256
+    places, so a decrease that is made up for before the next sample goes unnoticed.
+    """
+    begin, end = 0, len(words)
+    for _ in range(_ROUNDS):
+        if end - begin <= _PLACES * _PIECE_WORDS:
+            break
+        edges = np.linspace(begin, end, _PLACES + 1).astype(np.int64).tolist()
+        found = [each for low, high in pairwise(edges) if (each := _first(words, low, high, first_mark, 0)) is not None]
+        places, marks = [place for place, _ in found], [mark for _, mark in found]
+        if any(later < earlier for earlier, later in pairwise(marks)):
+            return 0
+        reached = int(np.searchsorted(marks, least))
+        begin = places[reached - 1] if reached else begin
+        end = places[reached] + 1 if reached < len(places) else end
+    last = _first(words, begin, end, first_mark, least)
+    return 0 if last is None else last[0]
+
+
+def _first(words: Words, begin: int, end: int, first_mark: FirstMark, least: int) -> tuple[int, int] | None:
+    for at, piece in words.pieces(begin, end, _PIECE_WORDS):
+        index, mark = first_mark(piece, least)
+        if index < len(piece):
+            return at + index, mark
+    return None
+
+
+# A de Bruijn sequence: the five top bits of its product with 2^i are different for every i from 0 to 31.
+_DE_BRUIJN = 0x077CB531
+_LOWEST = np.zeros(32, np.int64)
+_LOWEST[[(_DE_BRUIJN << i & 0xFFFFFFFF) >> 27 for i in range(32)]] = np.arange(32)
+
+
+@step
+def put_vector(n, mask, time_us, left, row, polarity, t_us, x, y, p):  # type: ignore[no-untyped-def]
+    """Write an event for each set bit of `mask`, an int64 below 2^32, from index `n` on; returns the index after the last."""
+    while mask:
+        lowest = mask & -mask
+        t_us[n] = time_us
+        x[n] = left + _LOWEST[(lowest * _DE_BRUIJN & 0xFFFFFFFF) >> 27]
+        y[n] = row
+        p[n] = polarity
+        n += 1
+        mask ^= lowest
+    return n
+
 
 WordArray: TypeAlias = NDArray[np.unsignedinteger[Any]]
 # State of a decoder between two words: a NamedTuple of integers.

@@ -17,7 +17,7 @@ from ..._numba_private import step
 from ...bits import BYTES, bits_between, count
 from .layout import CELL_BITS, INSIDE, LEVELS, NOBODY, Rules, World
 from .look import NOISE_SIGMAS, look_at_group
-from .noise import MANY_EMPTY, median_pixels, rate_of
+from .restless import MANY_EMPTY, median_pixels, rate_of
 
 __all__ = ["BIRTH_US", "UNSEEN_HALVES", "find_births", "list_living"]
 

@@ -6,16 +6,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ..._numba_private import step
+from ..._numba_private import njit, step
 from ...tracks.log import Kind
 from .births import BIRTH_US, UNSEEN_HALVES, find_births, list_living
+from .boxes import are_one, predict
 from .layout import CELL_BITS, INSIDE, NEAR, NOBODY, UNSET_US, Rules, World
 from .look import MIN_SPEED_HALVES_S, look
-from .motion import predict
-from .unity import are_one
 
 __all__ = ["RECORDS_PER_PACKET", "close_packet", "open_packet"]
 

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from ..._numba_private import step
 from ...bits import lowest, without_lowest
 from .bins import NO_BINS, clear, fill, find_parts, pixels_in, smooth, span
+from .boxes import are_parts, correct
 from .layout import BINS, CELL_BITS, NOBODY, Rules, World
-from .motion import correct
-from .unity import are_parts
 
 __all__ = ["MIN_SPEED_HALVES_S", "NOISE_SIGMAS", "look", "look_at_group"]
 

@@ -7,18 +7,161 @@ In the log `radius` is half the side of the cluster's window, `n_ev` its events 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ...events import Events
-from ..detections.stream import DetectionTracker
-from .clusters import cluster, event_points
-from .config import MeanShiftConfig
+from evcot.trackers.detections import DETECTION, IDENTITY_RANGES, DetectionTracker, IdentityConfig
 
-__all__ = ["MeanShiftTracker"]
+from ..._numba_private import njit
+from ...events import Events
+from ...ranges import Range, check_ranges
+from .kernel import converge
+
+__all__ = [
+    "MEAN_SHIFT_RANGES",
+    "POLARITY_PX",
+    "PRESETS",
+    "MeanShiftConfig",
+    "MeanShiftTracker",
+    "cluster",
+    "event_points",
+    "fuse",
+]
+
+
+Table = NDArray[Any]
+
+POLARITY_PX = 2.0  # distance of the two polarities
+_TIME_PX = 2.0  # distance of a current and a very old event
+_TAU_US = 10_000.0  # time constant with which an event ages
+
+_WINDOW = 1.5  # half a cluster's side, in standard deviations of its points: from a filled square's 1.7 to an outline's 1.2
+_BEYOND = 0.05  # share of a cluster's points beyond each side of its box
+
+
+@njit(cache=True, nogil=True)
+def event_points(ts: Table, xs: Table, ys: Table, ps: Table) -> tuple[Table, Table]:
+    """Points of n events: (4, n) x, y, p, f in pixels, f by the time before the last event; and (n,) us after the first."""
+    n = len(ts)
+    points, after_us = np.empty((4, n)), np.empty(n)
+    for e in range(n):
+        points[0, e] = xs[e]
+        points[1, e] = ys[e]
+        points[2, e] = POLARITY_PX * ps[e]
+        points[3, e] = _TIME_PX * np.exp((ts[e] - ts[-1]) / _TAU_US)
+        after_us[e] = ts[e] - ts[0]
+    return points, after_us
+
+
+@njit(cache=True, nogil=True)
+def fuse(mode_of: Table, modes: Table, fuse_px: float) -> tuple[Table, int]:
+    """The cluster of each of n points, and the number of clusters.
+
+    The mode with the most points is the centre of a cluster and absorbs all modes at a distance of at most `fuse_px`; this is
+    repeated with the remaining modes.
+    """
+    m = modes.shape[1]
+    points = np.zeros(m, np.int64)
+    for mode in mode_of:
+        points[mode] += 1
+    middle = np.empty(m, np.int64)
+    cluster = np.empty(m, np.int64)
+    n = 0
+    for mode in np.argsort(-points, kind="mergesort"):
+        k = 0
+        while k < n:
+            dx, dy = modes[0, mode] - modes[0, middle[k]], modes[1, mode] - modes[1, middle[k]]
+            if dx * dx + dy * dy <= fuse_px * fuse_px:
+                break
+            k += 1
+        if k == n:
+            middle[n] = mode
+            n += 1
+        cluster[mode] = k
+    return cluster[mode_of], n
+
+
+@njit(cache=True, nogil=True)
+def _side_px(places: Table) -> float:
+    """Side of a box around the pixels of points, along an axis, but for the outermost at both ends."""
+    places = np.sort(places)
+    out = int(_BEYOND * len(places))
+    return float(places[len(places) - 1 - out] - places[out] + 1.0)
+
+
+@njit(cache=True, nogil=True)
+def cluster(points: Table, after_us: Table, bandwidth_px: float, fold_px: float, points_min: int) -> tuple[Table, int, int]:
+    """Cluster (4, n) points with their times; returns (d,) `DETECTION`, and both numbers of evaluations of `converge`.
+
+    Modes at most one bandwidth apart are one cluster.
+    """
+    mode_of, modes, evaluations, pairs = converge(points, bandwidth_px, fold_px)
+    member, n = fuse(mode_of, modes, bandwidth_px)
+    sums = np.zeros((n, 5))
+    for i in range(len(member)):
+        row = sums[member[i]]
+        x, y = points[0, i], points[1, i]
+        row[0] += 1.0
+        row[1] += x
+        row[2] += y
+        row[3] += x * x + y * y
+        row[4] += after_us[i]
+    found = np.zeros(n, DETECTION)
+    d = 0
+    for k in range(n):
+        count = sums[k, 0]
+        if count < points_min:
+            continue
+        x, y = sums[k, 1] / count, sums[k, 2] / count
+        one = found[d]
+        one.x = x
+        one.y = y
+        one.radius = _WINDOW * np.sqrt(max(sums[k, 3] / count - x * x - y * y, 0.0) / 2.0)
+        one.width = _side_px(points[0][member == k])
+        one.height = _side_px(points[1][member == k])
+        one.after_us = sums[k, 4] / count
+        one.n = np.int64(count)
+        d += 1
+    return found[:d], evaluations, pairs
+
+
+# field -> (lowest, highest, meaning)
+MEAN_SHIFT_RANGES: dict[str, Range] = {
+    **IDENTITY_RANGES,
+    "packet_events": (1, 1_000_000, "maximum number of events in a packet"),
+    "bandwidth_px": (0.1, 1000.0, "h, the kernel's standard deviation; modes at most this far apart are one cluster"),
+    "points_min": (1, 1_000_000, "minimum number of events of a cluster"),
+}
+
+
+@dataclass(frozen=True)
+class MeanShiftConfig(IdentityConfig):
+    """Settings of mean shift clustering; limits in `MEAN_SHIFT_RANGES`.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    packet_events: int = 300
+    bandwidth_px: float = 6.0
+    points_min: int = 8
+
+    def __post_init__(self) -> None:
+        check_ranges("mean_shift", self, MEAN_SHIFT_RANGES)
+
+
+PRESETS: dict[str, MeanShiftConfig] = {
+    # A contour of about 20 px: from a bandwidth of 0.7 of its radius on, its centre is a single mode.
+    "discs": MeanShiftConfig(visible_hits=5, packet_events=300, bandwidth_px=8.0, points_min=8),
+    # Vehicles of 25 to 90 px: the smallest must not be fused, the largest not split.
+    "traffic": MeanShiftConfig(
+        gate_px=25.0, smoothing_us=30_000, visible_hits=10, packet_events=500, bandwidth_px=18.0, points_min=15
+    ),
+}
+
 
 _PACKET_US = 20_000  # longest packet
 _CANDIDATE_US = 20_000

@@ -5,10 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
-from ..._numba_private import step
-from .lookup import register, registered_for, take_seat, unregister
+from ..._numba_private import njit, step
+from .find import register, registered_for, take_seat, unregister
 from .records import LOST, record
 from .size import start_size
 from .state import NEVER_US, State

@@ -5,14 +5,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
-from ..._numba_private import step
+from ..._numba_private import njit, step
 from .life import drop
+from .motion import jump
 from .records import MERGED, record
 from .size import set_mixing
 from .state import State, Table
-from .velocity import jump
 from .visible import missing_events, show_if_due
 
 __all__ = ["merge_overlapping"]

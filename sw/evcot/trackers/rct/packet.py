@@ -6,15 +6,13 @@ from __future__ import annotations
 import math
 
 from ..._numba_private import step
-from .advance import advance
-from .evidence import MASS_TAU_US
+from .find import events_within, set_room
 from .life import check, drop, remove_silent
-from .lookup import events_within, set_room
 from .merge import merge_overlapping
-from .records import MOVED, record
+from .motion import advance, measure_velocity
+from .records import MASS_TAU_US, MOVED, record
 from .size import follow_size, set_steps
 from .state import NEVER_US, State
-from .velocity import measure_velocity
 from .visible import grow_mass, hide_weak, is_due, is_weak, missing_events, show_if_due
 
 __all__ = ["close_packet", "open_packet"]

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..._numba_private import step
-from .move import EXTENT_QUANTILE
+from .motion import EXTENT_QUANTILE
 
 __all__ = ["follow_size", "object_box", "set_mixing", "set_steps", "start_size"]
 

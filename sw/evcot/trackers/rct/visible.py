@@ -7,11 +7,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from ..._numba_private import step
-from .evidence import MASS_TAU_US, weight
-from .records import BORN, LOST, record
+from ..._numba_private import njit, step
+from .records import BORN, LOST, MASS_TAU_US, record, weight
 from .state import NEVER_US, State
 
 __all__ = ["grow_mass", "hide_weak", "is_due", "is_weak", "missing_events", "show_if_due"]

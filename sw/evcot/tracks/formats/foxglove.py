@@ -7,7 +7,8 @@ Three topics, all JSON, a message each at every instant:
     /tracks/annotations  foxglove.ImageAnnotations  a rectangle and an id a box; pixels begin at their upper left corner
     /sensor              foxglove.CompressedImage   a black picture of the sensor's size, for the Image panel to draw them on
 
-Foxglove finds its schemas by their names; those written here have the fields that are used.
+Foxglove finds its schemas by their names; those written here have the fields that are used. A layout that shows the topics is
+written next to the file, for Foxglove's menu "Import from file", unless a file of that name exists.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import base64
 import io
 import json
 import math
+import os
 import struct
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,10 +27,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TrackLogError
-from ...outputs import note_input
+from ...outputs import note_input, written_aside
 from .base import BOX, FRAME_MAX, Boxes, FrameClock
 
-__all__ = ["FoxgloveBoxes"]
+__all__ = ["COLOURS", "FoxgloveBoxes", "layout_for"]
+
+COLOURS = tuple(
+    (int(text[:2], 16) / 255, int(text[2:4], 16) / 255, int(text[4:], 16) / 255)
+    for text in ("e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7", "ffffff")
+)
+"""Red, green and blue from 0 to 1, of ids in turn: the palette of Okabe and Ito, with white for black."""
 
 _EDGE = 0.5  # where the first pixel begins, 0, less where it does in evcot, -0.5
 _TIME_MAX_US = (2**63 - 1) // 1000
@@ -36,8 +44,6 @@ _SIDE_MAX = 1 << 14  # of the picture
 _CHUNK_MAX = 1 << 26  # bytes of a chunk: more are not evcot's
 _NEEDED = "mcap is not installed: must be, for MCAP: pip install 'evcot[mcap]'"
 _LINE_LOOP = 2  # of foxglove.PointsAnnotationType
-_COLOURS = 8  # of ids in turn; Okabe and Ito's palette, without black
-_PALETTE = ("e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7", "ffffff")
 _BOXES = "/tracks/boxes"
 _NUMBERS = ("left", "top", "width", "height", "confidence", "visibility")
 _INTEGERS = ("id", "class_id")
@@ -79,6 +85,44 @@ _SCHEMAS = {
 }
 
 
+def _plotted(value: str) -> dict[str, Any]:
+    return {"value": value, "enabled": True, "timestampMethod": "receiveTime"}
+
+
+# Panels of a layout as Foxglove exports it: `Kind!id`.
+_LAYOUT = {
+    "configById": {
+        "Image!evcot": {
+            "foxglovePanelTitle": "Tracks",
+            "imageMode": {"imageTopic": "/sensor", "annotations": {"/tracks/annotations": {"visible": True}}},
+        },
+        "Table!evcot": {"foxglovePanelTitle": "Boxes", "topicPath": f"{_BOXES}.boxes"},
+        "Plot!evcot": {
+            "foxglovePanelTitle": "Upper left corner of each box, px",
+            "paths": [_plotted(f"{_BOXES}.boxes[:].{name}") for name in ("left", "top")],
+            "xAxisVal": "timestamp", "isSynced": True, "showLegend": True,
+        },
+    },
+    "globalVariables": {},
+    "userNodes": {},
+    "playbackConfig": {"speed": 1},
+    "layout": {
+        "direction": "row", "splitPercentage": 65, "first": "Image!evcot",
+        "second": {"direction": "column", "first": "Table!evcot", "second": "Plot!evcot"},
+    },
+}  # fmt: skip
+
+
+def layout_for(path: Path) -> Path | None:
+    """Where the layout of an MCAP file is written: a.layout.json for a.mcap, if nothing of that name exists; else None.
+
+    A pipe, and a file without that suffix, has none.
+    """
+    is_file = path.suffix.lower() == FoxgloveBoxes.SUFFIX and (path.is_file() or not path.exists())
+    layout = path.with_suffix(".layout.json")
+    return layout if is_file and not os.path.lexists(layout) else None
+
+
 class FoxgloveBoxes:
     """Tracks for Foxglove."""
 
@@ -104,6 +148,16 @@ class FoxgloveBoxes:
         for i, name in enumerate(("instant", *_INTEGERS, *_NUMBERS, "counted")):
             table[name] = [row[i] for row in rows]
         return Boxes(np.array(times_us, np.int64), table, sensor)
+
+    @staticmethod
+    def write_layout(path: Path) -> None:
+        """Write the layout to a new file.
+
+        Raises:
+            OutputError: the file exists, or cannot be written.
+        """
+        with written_aside(path) as file:
+            file.write((json.dumps(_LAYOUT, indent=2) + "\n").encode())
 
     @staticmethod
     def write(file: BinaryIO, path: Path, boxes: Boxes, clock: FrameClock) -> None:
@@ -162,7 +216,7 @@ def _annotations(rows: NDArray[np.void], time: dict[str, int]) -> dict[str, Any]
     for row in rows:
         left, top = float(row["left"]) + _EDGE, float(row["top"]) + _EDGE
         right, bottom = left + float(row["width"]), top + float(row["height"])
-        colour = _colour(_PALETTE[int(row["id"]) % _COLOURS])
+        colour = {**dict(zip("rgb", COLOURS[int(row["id"]) % len(COLOURS)], strict=True)), "a": 1.0}
         corners = [{"x": x, "y": y} for x, y in ((left, top), (right, top), (right, bottom), (left, bottom))]
         outlines.append({
             "timestamp": time, "type": _LINE_LOOP, "points": corners, "outline_color": colour, "outline_colors": [],
@@ -173,10 +227,6 @@ def _annotations(rows: NDArray[np.void], time: dict[str, int]) -> dict[str, Any]
             "background_color": {"r": 0.0, "g": 0.0, "b": 0.0, "a": 0.5},
         })  # fmt: skip
     return {"circles": [], "points": outlines, "texts": labels}
-
-
-def _colour(text: str) -> dict[str, float]:
-    return {name: int(text[at : at + 2], 16) / 255 for name, at in (("r", 0), ("g", 2), ("b", 4))} | {"a": 1.0}
 
 
 def _smallest(rows: NDArray[np.void]) -> tuple[int, int]:

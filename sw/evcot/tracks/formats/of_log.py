@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ...errors import ConfigError, TrackLogError
 from ..boxes import upright_sides
 from ..log import TRACK, Kind, TrackLog
-from ..reading import RecordRuns
-from ..windows import sampled
+from ..log_files import RecordRuns
+from ..log_parts import sampled
 from .base import BOX, FRAME_MAX, NOBODY, Boxes, FrameClock
 
 __all__ = ["MAX_AGE_US", "boxes_of_log", "log_of_boxes"]

@@ -9,7 +9,7 @@ from ...errors import ConfigError
 from ...outputs import written_aside
 from .base import Boxes, BoxFormat, FrameClock, check_boxes
 from .coco import CocoBoxes
-from .foxglove import FoxgloveBoxes
+from .foxglove import FoxgloveBoxes, layout_for
 from .mot import MotDetections, MotResult, MotTruth
 from .prophesee import PropheseeBoxes
 
@@ -61,7 +61,7 @@ def read_boxes(path: Path | str, clock: FrameClock | None = None, name: str | No
 def write_boxes(
     path: Path | str, boxes: Boxes, clock: FrameClock | None = None, name: str | None = None, *, force: bool = False
 ) -> None:
-    """Write boxes to a file.
+    """Write boxes to a file; next to an MCAP file also a layout for Foxglove, unless its name is taken.
 
     Args:
         clock, name: as for `read_boxes`.
@@ -74,5 +74,8 @@ def write_boxes(
     """
     path = Path(path)
     chosen = box_format(path, name)
+    layout = layout_for(path) if chosen is FoxgloveBoxes else None
     with written_aside(path, force=force) as file:
         chosen.write(file, path, boxes, clock or FrameClock())
+        if layout is not None:
+            FoxgloveBoxes.write_layout(layout)

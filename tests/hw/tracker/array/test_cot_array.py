@@ -18,7 +18,7 @@ from evcot.hardware.model import Decisions
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from support.ticked import ticked
+from support.tokens import ticked
 from support.trials import (
     ENGINES,
     OLD_AND_YOUNG,

@@ -20,7 +20,7 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.random_runs import random_motion, random_motion_run
-from support.bursts import Square, bursts
+from support.logs import Square, bursts
 from support.moving import QUICK, SHAPE, VARIANTS, scene
 from support.testing import lint
 from support.trials import bare_device
@@ -133,7 +133,8 @@ def test_a_silence_ends_lives_at_steps_alone() -> None:
     said = model.feed(later)
     assert Kind.LOST in said.records["kind"]
     period, places = 1 << QUICK.step_log2, 1 << (SHAPE.n_slots - 1).bit_length()
-    assert np.all((said.records["time"] - said.records["slot"] * period // places) % period == 0)
+    own = said.records[said.records["kind"] != Kind.MERGED]  # a slot merges in the step of the one that stays
+    assert np.all((own["time"] - own["slot"] * period // places) % period == 0)
     equal(device.stream(later), said)
 
 
@@ -152,7 +153,7 @@ def test_steps_of_many_slots_may_take_more_than_a_million_clocks_in_a_silence() 
     events = TickedEvents(
         np.zeros(len(which), np.int64), x.astype(np.uint16), y.astype(np.uint16), (which * 0).astype(np.uint8)
     )
-    silent = TickedEvents(np.array([130]), events.x[:1], events.y[:1], events.p[:1])
+    silent = TickedEvents(np.array([400]), events.x[:1], events.y[:1], events.p[:1])
     device, model = bare_device(config), MotionModel(config)
     equal(device.stream(events), model.feed(events))
     before = device.cycle
@@ -161,7 +162,7 @@ def test_steps_of_many_slots_may_take_more_than_a_million_clocks_in_a_silence() 
 
 
 def test_clocks() -> None:
-    """An event a clock, of one owner or of none; the step of a free slot takes five or six, and a token eight."""
+    """An event a clock, of one owner or of none; the step of a free slot takes six or seven, and a token eight."""
     shape = replace(SHAPE, n_slots=2, time_w=48)
     config = MotionConfig(shape, replace(QUICK, step_log2=20, nev_low=1_023, nev_high=1_023, seed_px=5))
     n = 1_000
@@ -175,7 +176,7 @@ def test_clocks() -> None:
     silent = TickedEvents(np.array([0, 100 << 20]), same.x[:2], same.y[:2], same.p[:2])
     device = bare_device(off)
     device.stream(silent)
-    assert device.cycle < (8 + 2 * 6) * 101 + 60  # a token holds 2^20 - 1 ticks: 101 of them
+    assert device.cycle < (8 + 2 * 7) * 101 + 60 + 1_030  # memories are cleared; a token holds 2^20 - 1 ticks: 101 of them
 
 
 def test_clocks_between_corrections() -> None:
@@ -184,7 +185,7 @@ def test_clocks_between_corrections() -> None:
     registers = replace(
         QUICK, step_log2=20, nev_low=16, nev_high=16, gap_corrections=0, detect_ticks=2**20, life_ticks=2**20, coast_ticks=2**20
     )
-    for objects, most in ((1, 1.1), (2, 1.15), (4, 1.4)):
+    for objects, most in ((1, 1.1), (2, 1.2), (4, 1.3)):
         n = 4_000
         rng = np.random.default_rng(objects)
         place = rng.integers(0, objects, n) * 32
@@ -198,7 +199,7 @@ def test_clocks_between_corrections() -> None:
 
 @pytest.mark.parametrize("objects", [1, 2, 3, 4])
 def test_clocks_of_motion_steps(objects: int) -> None:
-    """A period has a step of each slot; that of one that lives looks at every other one beside it."""
+    """A period has a step of each slot; that of one that lives asks every other one, none of which is near."""
     registers = replace(
         QUICK, step_log2=4, nev_low=16, nev_high=16, gap_corrections=0, detect_ticks=2**20, life_ticks=2**24 - 1,
         coast_ticks=2**24 - 1, join_steps=15,
@@ -217,11 +218,11 @@ def test_clocks_of_motion_steps(objects: int) -> None:
 
     period = (clocks(300) - clocks(100)) / 200
     print(f"{objects} objects: {period:.1f} clocks a period")
-    assert period <= 5 * 8 + 65 * objects + 37 * objects * (objects - 1)
+    assert period <= 63 * objects + objects * (objects - 1)
 
 
 def test_longest_wait_of_an_event() -> None:
-    """16 objects in a grid, an event offered at every clock, less than a step of a slot between two events."""
+    """16 objects in a grid, an event offered at every clock: it waits for one job at most."""
     registers = MotionRegisters()
     n, rng = 60_000, np.random.default_rng(16)
     ticks = np.arange(n) * 2  # a step of a slot every 128 events
@@ -239,7 +240,7 @@ def test_longest_wait_of_an_event() -> None:
     longest = int(waits.max())
     print(f"{live} live objects: an event waits at most {longest} clocks, {np.mean(waits):.2f} on average")
     assert live == 16
-    assert longest <= 640
+    assert longest <= 256
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""motion_context.v: each group of a slot as it was last written; box and window of another slot while it is put in force."""
+"""motion_context.v: each group of a slot as it was last written, of three slots at once."""
 
 from __future__ import annotations
 
@@ -9,62 +9,68 @@ import pytest
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.testing import lint
 
-SIDE_W, PX_W, ID_W = 20, 9, 7
+SIDE_W, PX_W, REL_W, SUP_W, ID_W = 20, 9, 6, 8, 7
+EFFECT = ("state", "moves", "marks", "hidden", "middle", "n_ev")
 
 
 def groups(slot_w: int) -> dict[str, dict[str, int]]:
-    """What is written together, with widths."""
+    """What is written together, with widths; `hidden` is in the upper bits of `meets`."""
     state = {
-        "v": 32, "refs": 4 * SIDE_W, "corrections": 6, "looked": 8, "meets": 5, "runs": 8, "n_ev": 10, "has_partner": 1,
-        "partner": slot_w, "together": 16, "usual": 24, "log2": 10,
+        "sides": 4 * SIDE_W, "support": SUP_W, "merged": 1, "v": 32, "refs": 4 * SIDE_W, "corrections": 6, "looked": 8,
+        "meets": 5, "runs": 8, "n_ev": 10, "has_partner": 1, "partner": slot_w, "together": 16, "usual": 24, "log2": 10,
     }  # fmt: skip
+    window = {"box": 4 * PX_W, "window": 4 * PX_W}
     return {
         "keep": state,
-        "keep_window": {"box": 4 * PX_W, "window": 4 * PX_W},
+        "keep_window": window,
         "keep_id": {"id": ID_W},
         "keep_start": {"start": 2 * SIDE_W + 2},
+        "finish": {"state": 2, "moves": 4 * SIDE_W, "marks": 4, "meets": 5, "n_ev": 10, "middle": 2 * REL_W},
     }
 
 
 @pytest.mark.parametrize("slot_w", [1, 3])
 def test_random_slots(slot_w: int) -> None:
-    sim = load("motion_context", {"SLOT_W": slot_w, "SIDE_W": SIDE_W, "PX_W": PX_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS)
+    widths = {"SLOT_W": slot_w, "SIDE_W": SIDE_W, "PX_W": PX_W, "REL_W": REL_W, "SUP_W": SUP_W, "ID_W": ID_W}
+    sim = load("motion_context", widths, extra_flags=PORTS_ONLY_FLAGS)
     io, rng, of = sim.io, np.random.default_rng(1), groups(slot_w)
     slots = 1 << slot_w
-    widths = {name: bits for fields in of.values() for name, bits in fields.items()}
-    has: dict[tuple[int, str], int] = {}
-    compared = 0
+    bits_of = {name: bits for fields in of.values() for name, bits in fields.items()}
+    read = {name: keep for keep in ("keep", "keep_id", "keep_start") for name in of[keep]} | {"moves": "finish"}
+    has: dict[tuple[str, int, str], int] = {}
+    apart = 0
     for round_ in range(500 + slots):
         io.at = at = round_ if round_ < slots else int(rng.integers(slots))
-        values = {name: int.from_bytes(rng.bytes(16)) % (1 << bits) for name, bits in widths.items()}
+        values = {name: int.from_bytes(rng.bytes(16)) % (1 << bits) for name, bits in bits_of.items()}
         for name, value in values.items():
             setattr(io, name, value)
-        io.puts = 0
+        values["hidden"] = values["meets"] >> 1
         for keep, fields in of.items():
             does = round_ < slots or rng.random() < 0.4
             setattr(io, keep, int(does))
             if does:
-                has.update({(at, name): values[name] for name in fields})
+                has.update({(keep, at, name): values[name] for name in (*fields, "hidden")})
         sim.clock.tick()
         for keep in of:
             setattr(io, keep, 0)
         if round_ < slots - 1:
             continue
-        # An answer of another slot comes in each clock, two later.
-        asked: list[int] = []
-        placed: list[int] = []
+        # An answer of three other slots comes in each clock, two later.
+        asked: list[tuple[int, int, int]] = []
         for _clock in range(4):
-            io.at, io.puts, io.put_slot = (int(number) for number in rng.integers((slots, 2, slots)))
-            asked.append(int(io.at))
-            placed.append(int(io.put_slot) if int(io.puts) else asked[-1])
+            io.at, io["from"], io.e_slot = (int(number) for number in rng.integers(slots, size=3))
+            asked.append((int(io.at), int(io["from"]), int(io.e_slot)))
             sim.clock.tick()
             if len(asked) > 1:
-                for name in ("box", "window", "n_ev"):
-                    assert int(getattr(io, f"p_{name}")) == has[placed[-2], name]
-                for name in widths.keys() - {"box", "window"}:
-                    assert int(getattr(io, f"q_{name}")) == has[asked[-2], name], name
-                compared += asked[-1] != asked[-2]
-    assert compared > 100
+                here, window_of, effect_of = asked[-2]
+                for name, keep in read.items():
+                    assert int(getattr(io, f"q_{name}")) == has[keep, here, name], name
+                for name in ("box", "window"):
+                    assert int(getattr(io, f"p_{name}")) == has["keep_window", window_of, name]
+                for name in EFFECT:
+                    assert int(getattr(io, f"e_{name}")) == has["finish", effect_of, name], name
+                apart += len({*asked[-2]}) > 1 and asked[-1] != asked[-2]
+    assert apart > 100
 
 
 def test_lint() -> None:

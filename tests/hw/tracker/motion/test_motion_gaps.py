@@ -68,7 +68,7 @@ def test_random_looks() -> None:
                     sim.clock.tick()
                     io.look = 0
                     clocks += 1
-                assert clocks == 61
+                assert clocks == 47
                 lo, hi = before
                 if int(io.found) and int(io.low_stays):
                     hi = lo + (int(io.begins) * PX << log2)

@@ -9,11 +9,11 @@ from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.testing import lint
 
 N = 5
-COMMANDS = ("begins", "seed", "settle", "appear", "lapse", "leave")
+COMMANDS = ("seed", "settle", "appear", "lapse", "leave")
 
 
 def test_random_lives() -> None:
-    """Every life goes on by any of the steps that are open to it, while a candidate comes into force in another slot."""
+    """Every life goes on by any of the steps that are open to it."""
     sim, rng = load("motion_lives", {"N": N, "SLOT_W": 3}, extra_flags=PORTS_ONLY_FLAGS), np.random.default_rng(1)
     io = sim.io
     states, settled = ["free"] * N, [False] * N
@@ -24,27 +24,23 @@ def test_random_lives() -> None:
         assert int(io.visible) == sum(1 << i for i in range(N) if states[i] == "visible")
         assert int(io.candidate) == sum(1 << i for i in range(N) if states[i] == "candidate")
         assert int(io.left) == sum(1 << i for i in range(N) if states[i] == "left")
-        lives = [i for i in range(N) if states[i] in ("visible", "candidate", "seeded")]
+        lives = [i for i in range(N) if states[i] in ("visible", "candidate")]
         assert all(int(io.settled) >> i & 1 == settled[i] for i in lives)
         for name in COMMANDS:
             setattr(io, name, 0)
         io.rst = int(rng.random() < 0.002)
-        io.at, io.begins_slot = slot, begins = int(rng.integers(N)), int(rng.integers(N))
+        io.at = slot = int(rng.integers(N))
         open_to = {
             "free": ["seed"],
-            "seeded": ["none"],
             "candidate": ["none", "lapse", "appear" if settled[slot] else "settle"],
             "visible": ["none", "lapse", "leave"],
             "left": ["none", "lapse", "seed"],
         }
         command = str(rng.choice(open_to[states[slot]]))
-        if states[begins] == "seeded":
-            io.begins, states[begins] = 1, "candidate"
-            seen["begins"] = seen.get("begins", 0) + 1
         if command != "none":
             setattr(io, command, 1)
             io.lapse = int(command in ("lapse", "leave"))
-            after = {"seed": "seeded", "settle": "candidate", "appear": "visible", "lapse": "free", "leave": "left"}
+            after = {"seed": "candidate", "settle": "candidate", "appear": "visible", "lapse": "free", "leave": "left"}
             states[slot] = after[command]
             settled[slot] = command != "seed" and (settled[slot] or command == "settle")
             seen[command] = seen.get(command, 0) + 1

@@ -16,10 +16,11 @@ N, SLOT_W, ID_W = 3, 2, 4
 UNTIL = 1
 TO_SIDES = ("seed", "shrink", "offset", "reflect", "settle", "cover_both", "move", "shorten")
 COMMANDS = (
-    "load", "load_support", "unite", *TO_SIDES, "speed", "correct", "count", "begin_bins", "place", "compare", "pair", "part",
-    "ask", "meet", "take", "hold", "keep", "keep_window", "keep_now", "keep_until", "keep_id", "keep_start",
+    "load", "begin_job", "unite", *TO_SIDES, "speed", "correct", "count", "begin_bins", "place", "compare", "pair", "part",
+    "ask", "meet", "take", "hold", "keep", "keep_window", "keep_now", "keep_until", "keep_id", "keep_start", "ends", "finish",
 )  # fmt: skip
-MERGE = 40  # commands and operations of it
+CORRECTION, SEED, STEP, END = range(4)
+FREE, CANDIDATE, VISIBLE, LEFT = range(4)
 
 
 class Order(Control):
@@ -43,7 +44,7 @@ class Order(Control):
     def clock(self) -> None:
         io = self.io
         loaded = int(io.load) or int(io.unite)
-        io.read_next = int(any(due == self.clocks + 1 and what == "read" for due, what in self.under_way))
+        io.read_next = int(self.read_at == self.clocks + 1)
         io.pair_done, io.meet_done = int(self.wait.get("compare") == 1), int(self.wait.get("ask") == 1)
         self.wait = {name: clocks - 1 for name, clocks in self.wait.items() if clocks > 1}
         self.wait |= {name: clocks for name, clocks in (("compare", 9), ("ask", 11)) if int(io[name])}
@@ -51,13 +52,14 @@ class Order(Control):
         if loaded:
             self.lane = 1
 
-    def job(self, slot: int, corrections: int, *, seed: bool = False) -> list[Said]:
+    def job(self, kind: int, slot: int, corrections: int = 0, *, real: bool = True) -> list[Said]:
         """A job, and what was said until it was done, that clock and the next one included."""
         io = self.io
         self.said.clear()
-        io.job_slot, io.job_seed, io.corrections = slot, int(seed), corrections
+        io.job_kind, io.job_slot, io.job_real, io.corrections = kind, slot, int(real), corrections
         self.clock()
         io.job_valid, begun = 1, 0
+        self.sim.eval()
         while not int(io.job_done):
             begun += int(io.begun)
             self.clock()
@@ -65,44 +67,16 @@ class Order(Control):
         self.clock()
         io.job_valid = 0
         self.clock()
-        assert int(io.rests)
         return list(self.said)
-
-    def step(self, slot: int) -> list[Said]:
-        self.io.work_slot = slot
-        return self.until_it_rests("do_step")
-
-    def end(self, slot: int) -> list[Said]:
-        self.io.work_slot = slot
-        return self.until_it_rests("do_end")
-
-    def until_it_rests(self, port: str) -> list[Said]:
-        io = self.io
-        self.said.clear()
-        setattr(io, port, 1)
-        self.clock()
-        setattr(io, port, 0)
-        while not int(io.rests):
-            io.job_valid = 1  # one that comes meanwhile waits
-            assert not int(io.begun)
-            self.clock()
-            io.job_valid = 0
-        self.clock()
-        return list(self.said)
-
-
-def begins(order: Order, slot: int) -> None:
-    order.io.begins, order.io.begins_slot = 1, slot
-    order.clock()
-    order.io.begins = 0
 
 
 def names(said: list[Said]) -> list[str]:
-    return [name for name, *_ in said]
+    """Without bins that are cleared meanwhile."""
+    return [name for name, *_ in said if name != "clear"]
 
 
-@pytest.mark.parametrize("stalls", [False, True])
-def test_the_lives_of_two_slots(stalls: bool) -> None:
+@pytest.mark.parametrize(("stalls", "returns"), [(False, False), (True, True)])
+def test_the_lives_of_two_slots(stalls: bool, returns: bool) -> None:
     sim = load("motion_order", {"N": N, "SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS)
     order, io = Order(sim, np.random.default_rng(1)), sim.io
     order.reset()
@@ -111,66 +85,62 @@ def test_the_lives_of_two_slots(stalls: bool) -> None:
     io.shrinks = 1
 
     # Candidates begin, and have four corrections.
-    written = ["keep", "keep_window", "keep_now", "keep_until"]
+    written = ["keep", "keep_window", "keep_now", "finish", "keep_until"]
     for slot in (2, 0):
-        said = order.job(slot, 0, seed=True)
-        assert names(said) == [
-            "seed",
-            "keep_now",
-            "settle",
-            "begin_bins",
-            *["clear"] * 16,
-            "place",
-            "op_store op_full",
-            *written,
-        ]
+        said = order.job(SEED, slot)
+        assert names(said) == ["seed", "keep_now", "settle", "begin_bins", "place", *written]
+        assert [number for name, _, *more in said for number in more if name == "clear"] == list(range(16))
         assert {at for _, at, *_ in said} == {slot}
-        before = int(io.candidate)
-        begins(order, slot)
-        assert int(io.candidate) == before | 1 << slot
+        assert (int(io.at), int(io.state)) == (slot, CANDIDATE)
         for corrections in range(4):
-            said = order.job(slot, corrections)
+            said = order.job(CORRECTION, slot, corrections)
             starts = ["keep_start"] * (corrections == 3)
             turns = ["speed"] * (corrections >= 2)
             assert names(said) == [
-                "op_read", "load", "shrink", "offset", "reflect", "settle", *turns, "correct", "count", *starts, "place",
-                "op_store", *written,
+                "fetch", "load", "begin_job", "shrink", "offset", "reflect", "settle", *turns, "correct", "count", *starts,
+                "place", *written,
             ]  # fmt: skip
             assert {at for _, at, *_ in said} == {slot}
     assert (int(io.visible), int(io.candidate)) == (0, 5)
 
     # Both become visible in a step.
-    io.corrections, io.appears, io.nearby = 4, 1, 7
+    io.appears, io.nearby = 1, 7
     for slot in (0, 2):
-        said = order.step(slot)
+        said = order.job(STEP, slot, 4)
         assert names(said) == [
-            "op_read", "load", "load_support", "reflect", "move", "shorten", "reflect", "place", "keep_window", "ask",
-            "op_read", "compare", "part", "keep_id", "keep_now", "say", "keep", "op_store op_full op_put",
+            "fetch", "load", "begin_job", "reflect", "move", "shorten", "reflect", "place", "ask", "keep_window",
+            "fetch", "compare", "part", "keep_id", "keep_now", "say", "keep", "finish",
         ]  # fmt: skip
         assert [entry for entry in said if entry[0] in ("keep_id", "say")] == [("keep_id", slot), ("say", slot, Kind.BORN)]
-    assert order.step(1) == []  # a free slot
+        assert int(io.state) == VISIBLE
+    for kind in (CORRECTION, STEP, END):  # of a free slot, and of an empty period
+        assert order.job(kind, 1) == []
+        assert order.job(kind, 0, real=False) == []
     assert (int(io.visible), int(io.candidate)) == (5, 0)
     io.shrinks = 0
-    assert names(order.job(2, 63))[-7:-1] == ["say", "place", "op_store", "keep", "keep_window", "keep_now"]
+    assert names(order.job(CORRECTION, 2, 63))[-8:] == ["keep_now", "say", "place", *written]
     assert ("say", 2, Kind.MOVED) in order.said
 
-    # The lower one takes the other one in, with a record of each; then its life ends.
-    io.corrections, io.alike, io.enough, io.weaker = 4, 1, 1, 0
-    said = order.step(0)
-    merge = names(said)[11 : 13 + MERGE]
-    merge[-4:] = sorted(merge[-4:])  # the record does not wait for the write
-    assert merge == [
-        "op_read", "compare", "pair", "take", "keep", "op_store op_full", "op_read", "load", "load_support", "take", "hold",
-        "say", "settle", "op_read", "unite", "reflect", "cover_both", "settle", "begin_bins", "keep_until", *["clear"] * 16,
-        "place", "keep_window", "keep", "keep_now", "op_store op_full op_put", "say",
+    # The lower one takes the other one in, with a record of each; then its life ends, or may return.
+    io.alike, io.enough, io.weaker = 1, 1, 0
+    said = order.job(STEP, 0, 4)
+    assert names(said)[11:] == [
+        "fetch", "compare", "pair", "take", "keep", "fetch", "load", "take", "hold", "say", "settle", "ends", "fetch", "unite",
+        "reflect", "cover_both", "settle", "keep_until", "place", "keep_window", "keep", "keep_now", "say", "ask", "take",
+        "meet", "keep", "finish",
     ]  # fmt: skip
-    assert names(said)[13 + MERGE :] == ["ask", "take", "meet", "keep", "op_store op_full op_put"]
     assert [entry for entry in said if entry[0] == "say"] == [("say", 2, Kind.MERGED), ("say", 0, Kind.MOVED)]
+    assert [at for name, at, *_ in said if name == "ends"] == [2]
     assert (int(io.visible), int(io.candidate)) == (1, 0)
-    assert names(order.end(0)) == ["op_read", "load", "load_support", "reflect", "keep_now", "say"]
-    assert order.said[-1] == ("say", 0, Kind.LOST)
-    assert (int(io.visible), int(io.candidate)) == (0, 0)
-    assert order.end(1) == []  # a free slot
+    io.ended, io.may_return = 1, int(returns)
+    said = order.job(STEP, 0, 4)
+    leaves = ["place", "keep_window", "keep_until"] if returns else []
+    assert names(said) == ["fetch", "load", "begin_job", "reflect", "keep_now", "say", *leaves, "keep", "finish"]
+    assert (int(io.visible), int(io.left), int(io.state)) == (0, int(returns), LEFT if returns else FREE)
+    assert ("say", 0, Kind.LOST) in said
+    said = order.job(END, 0)
+    assert names(said) == (["fetch", "load", "begin_job", "reflect", "keep", "finish"] if returns else [])
+    assert (int(io.left), int(io.state)) == (0, FREE)
 
 
 def test_lint() -> None:

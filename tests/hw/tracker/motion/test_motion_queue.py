@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""motion_queue.v: tokens come out in order with their time, and it is known whether a motion step comes before them."""
+"""motion_queue.v: tokens come out in order with their time; it is known whether a step or an effect comes before them."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ from pyverilator import PyVerilator
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.testing import PATTERNS, lint
 
-X_W, Y_W, TICK_W, TIME_W = 5, 4, 6, 24
+X_W, Y_W, TICK_W, TIME_W, DUE_W = 5, 4, 6, 24, 14
+FAR = 256
 FIELDS = ("event", "skip", "x", "y", "p")
 WIDTHS = (1, 1, X_W, Y_W, 1)
 LATENCY, HELD = 5, 17
 
 
 def model() -> PyVerilator:
-    sim = load("motion_queue", {"X_W": X_W, "Y_W": Y_W, "TICK_W": TICK_W, "TIME_W": TIME_W}, extra_flags=PORTS_ONLY_FLAGS)
-    sim.io.rst = 1
+    widths = {"X_W": X_W, "Y_W": Y_W, "TICK_W": TICK_W, "TIME_W": TIME_W, "DUE_W": DUE_W}
+    sim = load("motion_queue", widths, extra_flags=PORTS_ONLY_FLAGS)
+    sim.io.rst = sim.io.opens = 1
     sim.clock.tick()
     sim.io.rst = 0
     return sim
@@ -30,8 +32,9 @@ def test_random_tokens_and_steps(pattern: str) -> None:
     sim, rng = model(), np.random.default_rng(1)
     io, offers, takes = sim.io, PATTERNS[pattern](rng), PATTERNS["bursts" if pattern == "often" else "often"](rng)
     waiting: list[tuple[int, ...]] = []  # time and fields of tokens inside
-    time = taken = steps = full = 0
-    due = {True: 0, False: 0}
+    time = taken = steps = full = passed = now = 0  # passed: the time of the last token that was taken
+    due, late, far = {True: 0, False: 0}, {True: 0, False: 0}, {True: 0, False: 0}
+    due_tick = 0
     offered: tuple[int, ...] | None = None
     next_step, hold, write_in = 40, 0, 0  # hold: clocks until it is over; write_in: until another length of a step counts
     for _clock in range(5_000):
@@ -50,6 +53,10 @@ def test_random_tokens_and_steps(pattern: str) -> None:
         assert int(io.m_runs) <= int(io.m_valid)
         if int(io.m_valid):
             assert (int(io.m_time), *(int(getattr(io, f"m_{name}")) for name in FIELDS)) == waiting[0]
+            is_late, is_far = waiting[0][0] >= due_tick, waiting[0][0] - now >= FAR  # those of the clock before
+            assert (int(io.m_late), int(io.m_far)) == (is_late, is_far)
+            late[is_late] += 1
+            far[is_far] += 1
             if hold == 0:
                 is_due = waiting[0][0] >= next_step
                 assert (int(io.m_due), int(io.m_runs)) == (is_due, not is_due)
@@ -61,23 +68,25 @@ def test_random_tokens_and_steps(pattern: str) -> None:
             if not waiting and not accepted and rng.random() < 0.1:
                 write_in = 4  # the register is written in this clock, and a token may come in the next one: see motion_turn.v
         if int(io.m_ready):
-            waiting.pop(0)
+            passed = waiting.pop(0)[0]
             taken += 1
         full += len(waiting) >= 12
         assert len(waiting) <= HELD
         hold = max(hold - 1, 0)
+        now, due_tick = max(passed - int(rng.integers(300)), 0), passed + int(rng.integers(-20, 80))
+        io.now, io.due_tick = now, due_tick % (1 << DUE_W)
         sim.clock.tick()
         if begins:
             hold, steps = int(rng.integers(3, 9)), steps + 1
-            next_step += int(rng.choice([0, 100, 500]))
+            next_step += int(rng.choice([0, 100, 500])) if next_step < time + 2_000 else 0
         if accepted and offered is not None:
             time += offered[0]
             waiting.append((time, *offered[1:]))
             offered = None
-    assert time < 1 << TIME_W
+    assert 1 << DUE_W < time < 1 << TIME_W
     assert taken > 500
     assert steps > 50
-    assert min(due.values()) > 50
+    assert min(*due.values(), *late.values(), *far.values()) > 50
     assert full > 50 or pattern == "rarely"
 
 
@@ -85,7 +94,7 @@ def test_a_token_a_clock_and_what_is_held() -> None:
     sim = model()
     io = sim.io
     sim.clock.tick()
-    io.next_step, io.s_valid, io.m_ready = 1 << 20, 1, 1
+    io.next_step, io.s_valid, io.m_ready = 1 << DUE_W - 2, 1, 1
     valid = []
     for x in range(40):
         io.s_x = x % (1 << X_W)
@@ -106,6 +115,10 @@ def test_a_token_a_clock_and_what_is_held() -> None:
         out += 1
         sim.clock.tick()
     assert (out, int(io.empty)) == (held, 1)
+    for opens in (0, 1):
+        io.opens = opens
+        sim.clock.tick()
+        assert int(io.s_ready) == opens
 
 
 def test_reset_empties_it_and_time_begins_anew() -> None:

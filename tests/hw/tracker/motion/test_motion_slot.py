@@ -11,16 +11,17 @@ import numpy as np
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.testing import lint
 
-SLOT_W, SIDE_W, PX_W, SUP_W, ID_W = 2, 20, 9, 8, 3
+SLOT_W, SIDE_W, PX_W, REL_W, SUP_W, ID_W = 2, 20, 9, 6, 8, 3
 SLOTS, MOST = 1 << SLOT_W, (1 << SUP_W) - 1
-KEPT = {"v": 32, "refs": 4 * SIDE_W, "usual": 24}
+KEPT = {"sides": 4 * SIDE_W, "v": 32, "refs": 4 * SIDE_W, "usual": 24}
 WINDOW = {"box": 4 * PX_W, "window": 4 * PX_W}
 START = {"start": 2 * SIDE_W + 2}
+MOVES = {"moves": 4 * SIDE_W, "state": 2, "middle": 2 * REL_W}
 COMMANDS = (
-    "take", "load", "unite", "seed", "offset", "count", "begin_bins", "pair", "part", "meet", "keep", "keep_window", "keep_id",
-    "keep_start", "ran",
+    "load", "begin_job", "unite", "seed", "offset", "count", "begin_bins", "pair", "part", "meet", "keep", "keep_window",
+    "keep_id", "keep_start", "finish", "ran",
 )  # fmt: skip
-OUTPUTS = ("support", "corrections", "marks", "hidden", "meets", "runs", "n_ev", "together", "log2")
+OUTPUTS = ("support", "merged", "corrections", "marks", "hidden", "meets", "runs", "n_ev", "together", "log2")
 
 
 @dataclass
@@ -34,6 +35,7 @@ class State:
     hidden: int = 0
     runs: int = 0
     marks: int = 0
+    merged: int = 0
     n_ev: int = 0
     partner: int | None = None
     together: int = 0
@@ -49,16 +51,14 @@ def bins_log2(length: int) -> int:
 
 def command(name: str, slot: State, memory: State, io: Any, at: int) -> State:
     """What a command does to it."""
-    if name in ("load", "unite"):
-        united = min(slot.support + int(io.r_support), MOST)
-        support = united if name == "unite" else int(io.r_support) if int(io.load_support) else slot.support
-        slot = replace(memory, support=support, marks=15 if name == "unite" else int(io.r_marks))
+    if name in ("load", "begin_job", "unite"):
+        more = {"load": 0, "begin_job": int(io.job_owned), "unite": slot.support}[name]
+        slot = replace(memory, support=min(memory.support + more, MOST), marks=int(io.job_marks) * (name == "begin_job"))
         if name == "unite":
+            slot.marks, slot.merged = 15, 1
             slot.forget_partner()
-    elif name == "take":
-        slot.support = int(io.job_support)
     elif name == "seed":
-        slot = State(1, n_ev=int(io.nev_low), looked=slot.looked, log2=slot.log2)
+        slot = State(1, n_ev=int(io.nev_low), looked=slot.looked, log2=slot.log2, merged=slot.merged)
     elif name == "offset":
         slot.marks = 0
         slot.looked += int(io.gap_corrections) > 0
@@ -66,7 +66,7 @@ def command(name: str, slot: State, memory: State, io: Any, at: int) -> State:
         slot.n_ev = min(max(int(io.length_x) + int(io.length_y), int(io.nev_low)), int(io.nev_high))
         slot.corrections = min(slot.corrections + 1, 63)
     elif name == "begin_bins":
-        slot.looked = 0
+        slot.looked = slot.merged = 0
         slot.log2 = bins_log2(int(io.length_y)) << 5 | bins_log2(int(io.length_x))
     elif name == "pair":
         slot.together = slot.together + 1 if slot.partner == at else 1
@@ -83,13 +83,13 @@ def command(name: str, slot: State, memory: State, io: Any, at: int) -> State:
 def test_random_commands() -> None:
     sim = load(
         "motion_slot",
-        {"SLOT_W": SLOT_W, "SIDE_W": SIDE_W, "PX_W": PX_W, "SUP_W": SUP_W, "ID_W": ID_W},
+        {"SLOT_W": SLOT_W, "SIDE_W": SIDE_W, "PX_W": PX_W, "REL_W": REL_W, "SUP_W": SUP_W, "ID_W": ID_W},
         extra_flags=PORTS_ONLY_FLAGS,
     )
-    io, rng = sim.io, np.random.default_rng(1)
+    io, rng = sim.io, np.random.default_rng(3)
     memory = [State() for _ in range(SLOTS)]
     words: dict[tuple[int, str], int] = {}
-    n_evs = [0] * SLOTS
+    effects = [State() for _ in range(SLOTS)]
     births, slot = 0, State()
     seen = dict.fromkeys(COMMANDS, 0)
     full = most = again = resumed = 0
@@ -97,7 +97,9 @@ def test_random_commands() -> None:
     sim.clock.tick()
     io.rst = 0
     first = [
-        (name, at) for at in range(SLOTS) for name in ("seed", "begin_bins", "keep", "keep_window", "keep_id", "keep_start")
+        (name, at)
+        for at in range(SLOTS)
+        for name in ("seed", "begin_bins", "keep", "keep_window", "keep_id", "keep_start", "finish")
     ]
     for round_ in range(1_600):
         name, at = first[round_] if round_ < len(first) else (str(rng.choice(COMMANDS)), int(rng.integers(SLOTS)))
@@ -106,17 +108,17 @@ def test_random_commands() -> None:
         io.at = at
         low, high = sorted(int(n) for n in rng.integers(1, 1_024, 2))
         values = {
-            "job_support": int(rng.integers(MOST + 1)), "r_support": int(rng.integers(MOST + 1)) >> int(rng.integers(4)),
-            "r_marks": int(rng.integers(16)), "length_x": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)),
+            "job_owned": int(rng.integers(MOST + 1)) >> int(rng.integers(4)), "job_marks": int(rng.integers(16)),
+            "length_x": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)),
             "length_y": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)), "meets_now": int(rng.integers(2)),
             "hidden_now": int(rng.integers(16)), "nev_low": low, "nev_high": high, "gain_log2": int(rng.integers(1, 13)),
             "gain_slow": int(rng.integers(7)), "gain_fast": int(rng.integers(13)), "run_next": int(rng.integers(16)),
             "gap_corrections": int(rng.integers(256)) >> int(rng.integers(9)),
-            "load_support": int(rng.integers(2)), "puts": int(rng.integers(2)), "put_slot": int(rng.integers(SLOTS)),
+            "from": int(rng.integers(SLOTS)), "e_slot": int(rng.integers(SLOTS)),
         }  # fmt: skip
-        values |= {word: int.from_bytes(rng.bytes(16)) % (1 << bits) for word, bits in (KEPT | WINDOW | START).items()}
+        values |= {word: int.from_bytes(rng.bytes(16)) % (1 << bits) for word, bits in (KEPT | WINDOW | START | MOVES).items()}
         for port, value in values.items():
-            setattr(io, port, value)
+            io[port] = value
         for _clock in range(2):
             sim.clock.tick()
         repeat = int(rng.integers(1, 40)) if name in ("count", "pair", "part") else 1
@@ -125,9 +127,11 @@ def test_random_commands() -> None:
             slot = command(name, slot, memory[at], io, at)
             again += slot.together > was > 0
             if name == "keep":
-                memory[at], n_evs[at] = replace(slot), slot.n_ev
-            if name in ("keep", "keep_window", "keep_start"):
-                fields = {"keep": KEPT, "keep_window": WINDOW, "keep_start": START}[name]
+                memory[at] = replace(slot)
+            if name == "finish":
+                effects[at] = replace(slot)
+            if name in ("keep", "keep_window", "keep_start", "finish"):
+                fields = {"keep": KEPT, "keep_window": WINDOW, "keep_start": START, "finish": MOVES}[name]
                 words.update({(at, word): values[word] for word in fields})
             if name == "keep_id":
                 io.resume = int(round_ >= len(first) and rng.random() < 0.5)
@@ -140,11 +144,12 @@ def test_random_commands() -> None:
                     words[at, "id"] = words[left, "id"]
                 else:
                     words[at, "id"], births = births, (births + 1) % (1 << ID_W)
-            for port in ("load", "unite") if name == "unite" else (name,):
-                setattr(io, port, 1)
+            together = ("load", name) if name in ("begin_job", "unite") else (name,)
+            for port in together:
+                io[port] = 1
             sim.clock.tick()
-            for port in ("load", "unite", name):
-                setattr(io, port, 0)
+            for port in together:
+                io[port] = 0
             if round_ >= len(first):
                 for port in OUTPUTS:
                     assert int(getattr(io, port)) == getattr(slot, port), (name, port)
@@ -161,14 +166,17 @@ def test_random_commands() -> None:
         gain = min(1 + (slot.corrections >> values["gain_slow"]), values["gain_log2"]) + slot.meets
         assert int(io.gain) == gain
         assert int(io.room) == (max(gain - values["gain_fast"], 0) if values["gain_fast"] and not slot.meets else 0)
-        assert int(io.look_due) == (values["gap_corrections"] > 0 and slot.looked + 1 >= values["gap_corrections"])
+        assert int(io.look_due) == (
+            values["gap_corrections"] > 0 and (slot.merged or slot.looked + 1 >= values["gap_corrections"])
+        )
         full += slot.support == MOST
         most += slot.corrections == 63
-        assert int(io.q_meets) == memory[at].meets
-        assert all(int(getattr(io, f"q_{word}")) == words[at, word] for word in (*KEPT, *START, "id"))
-        of_window = values["put_slot"] if values["puts"] else at
-        assert all(int(getattr(io, f"p_{word}")) == words[of_window, word] for word in WINDOW)
-        assert int(io.p_n_ev) == n_evs[of_window]
+        assert (int(io.q_meets), int(io.q_support)) == (memory[at].meets, memory[at].support)
+        assert all(int(io[f"q_{word}"]) == words[at, word] for word in (*KEPT, *START, "id", "moves"))
+        assert all(int(io[f"p_{word}"]) == words[values["from"], word] for word in WINDOW)
+        after, e_slot = effects[values["e_slot"]], values["e_slot"]
+        assert (int(io.e_marks), int(io.e_hidden), int(io.e_n_ev)) == (after.marks, after.hidden, after.n_ev)
+        assert all(int(io[f"e_{word}"]) == words[e_slot, word] for word in MOVES)
     assert min(seen.values()) > 50
     assert min(full, most, again, resumed) > 5
 

@@ -17,12 +17,13 @@ from support.testing import lint
 N, SLOT_W = 5, 3
 TO_SIDES = ("c_reflect", "c_move", "c_rub", "c_shorten")
 COMMANDS = (
-    *TO_SIDES, "c_window", "keep_window", "c_compare", "c_pair", "c_part", "merge", "c_ask", "c_meet", "appear", "lapse",
-    "keep_now", "keep_until", "keep",
+    *TO_SIDES, "c_window", "c_follow", "keep_window", "c_compare", "c_pair", "c_part", "merge", "c_ask", "c_meet", "appear",
+    "lapse", "keep_now", "keep_until", "keep",
 )  # fmt: skip
 TAKE = (  # clocks of motion_pair.v, motion_meeting.v and motion_times.v, more or less; motion_merge.v takes longer
-    ("c_compare", "pair", 21, 22), ("c_ask", "meet", 11, 12), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
+    ("c_compare", "pair", 21, 22), ("c_ask", "meet", 10, 10 + N), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
 )  # fmt: skip
+MEET_ALL = (("c_compare", "pair", 23, 24), ("c_ask", "meet", 9 + N, 10 + N), *TAKE[2:])  # as long as with N slots in use
 Pairs = dict[tuple[int, int], bool]
 
 
@@ -49,14 +50,11 @@ class Step:
     may_return: bool
     said: list[Said] = field(default_factory=list)
 
-    def stays(self, this: int, other: int, *, by_support: bool) -> tuple[int, int]:
-        """Which one stays, and which goes."""
-        swap = self.weaker[this, other]
+    def stays(self, this: int, other: int, *, by_support: bool) -> bool:
+        """Whether the slot whose step it is stays; else it waits for the other one's step."""
         if not by_support and self.states[this] != self.states[other]:
-            swap = self.states[other] == "visible"
-        elif not by_support and self.keep_older:
-            swap = self.older[this, other]
-        return (other, this) if swap else (this, other)
+            return self.states[this] == "visible"
+        return not (self.older if not by_support and self.keep_older else self.weaker)[this, other]
 
     def lapse(self, slot: int, *, alone: bool = False) -> None:
         visible = self.states[slot] == "visible"
@@ -65,37 +63,35 @@ class Step:
         leaves = visible and self.may_return and not alone
         if leaves:
             self.said += [("c_window", slot), ("keep_window", slot), ("leave", slot), ("keep_until", slot)]
-            self.said += [("keep", slot), ("op_all", slot)]
         else:
             self.said.append(("lapse", slot))
+        self.said.append(("keep", slot))
         self.states[slot] = "left" if leaves else "free"
 
     def end(self, slot: int) -> None:
         """The end of one life."""
-        if self.states[slot] != "free":
-            self.said += [("op_read", slot), ("load", slot), ("c_reflect", slot)]
-            self.lapse(slot, alone=True)
+        self.said += [("fetch", slot), ("load", slot), ("c_reflect", slot)]
+        self.lapse(slot, alone=True)
 
     def go(self, this: int) -> None:
         """docs/motion.md, rules S."""
-        if self.states[this] == "free":
-            return
         known = self.states[this] == "visible" or self.corrections[this] >= 4
-        self.said += [("op_read", this), ("load", this), ("c_reflect", this)]
+        self.said += [("fetch", this), ("load", this), ("c_reflect", this)]
         if self.ended[this]:
             self.lapse(this)
             return
         if self.states[this] == "left":
+            self.said += [("c_window", this), ("keep", this)]
             return
         self.said += [("c_move", this)] * known + [("c_rub", this)] * (known and not self.meets[this] and self.silent[this])
-        self.said += [("c_shorten", this), ("c_reflect", this), ("c_window", this), ("keep_window", this)]
-        self.said.append(("c_ask", this))
+        self.said += [("c_shorten", this), ("c_reflect", this), ("c_window", this)]
+        self.said += [("c_follow", this)] * known + [("c_ask", this), ("keep_window", this)]
         partner = self.partner(this)
         if partner is None:
             self.said.append(("c_part", this))
         else:
-            if self.enough[this, partner] and self.merge(this, partner, by_support=False):
-                return
+            if self.enough[this, partner] and self.stays(this, partner, by_support=False):
+                self.merge(this, partner)
             self.said.append(("c_ask", this))
         if self.states[this] == "visible":
             self.said.append(("c_meet", this))
@@ -107,9 +103,11 @@ class Step:
         else:
             for other in self.touched[this]:
                 if self.states[other] == "candidate":
-                    self.said.append(("op_read", other))
-                    if self.merge(this, other, by_support=True):
+                    self.said.append(("fetch", other))
+                    if not self.stays(this, other, by_support=True):
+                        self.said.append(("keep", this))
                         return
+                    self.merge(this, other)
                     self.said.append(("c_ask", this))
             if self.appears[this]:
                 gone = [other for other in self.returned[this] if self.states[other] == "left"]
@@ -119,7 +117,7 @@ class Step:
                 self.said += [("resume" if gone else "appear", this), ("keep_now", this)]
                 self.said.append(("say", this, Kind.MOVED if gone else Kind.BORN))
                 self.states[this] = "visible"
-        self.said += [("keep", this), ("op_all", this)]
+        self.said.append(("keep", this))
 
     def partner(self, this: int) -> int | None:
         """The lowest one that is alike, of those near that have four corrections; it is read first."""
@@ -132,18 +130,15 @@ class Step:
                 and self.states[other] in ("visible", "candidate")
                 and self.corrections[other] >= 4
             ):
-                self.said += [("op_read", other), ("c_compare", other)]
+                self.said += [("fetch", other), ("c_compare", other)]
                 if self.alike[this, other]:
                     self.said.append(("c_pair", other))
                     return other
         return None
 
-    def merge(self, this: int, other: int, *, by_support: bool) -> bool:
-        """Whether this slot is the one that goes."""
-        stays, goes = self.stays(this, other, by_support=by_support)
-        self.said.append(("merge", stays, goes))
-        self.states[goes] = "free"
-        return goes == this
+    def merge(self, this: int, other: int) -> None:
+        self.said.append(("merge", this, other))
+        self.states[other] = "free"
 
 
 def random_step(rng: np.random.Generator) -> Step:
@@ -166,7 +161,7 @@ def random_step(rng: np.random.Generator) -> Step:
 
 
 class Around(Control):
-    """An operation that reads says which slot is held against the one whose step it is."""
+    """The slot that is read last is compared with the one whose step it is."""
 
     compared = 0
 
@@ -176,17 +171,11 @@ class Around(Control):
         if name == "appear" and int(self.io.resume):
             return "resume", slot
         if name == "merge":
-            return name, int(self.io.stays), int(self.io.goes)
+            return name, int(self.io.this_slot), int(self.io.goes)
         return name, int(self.io.this_slot) if name == "c_part" else slot
 
-    def operation(self, slot: int, first: int) -> None:
-        if int(self.io.op_all):
-            self.said.append(("op_all", slot))
-            self.under_way.append((self.clocks + 6, "store"))
-        else:
-            self.said.append(("op_read", slot))
-            self.under_way.append((self.clocks + 7, "read"))
-            self.compared = slot
+    def fetched(self, slot: int) -> None:
+        self.compared = slot
 
 
 def show(io: Any, states: list[str]) -> None:
@@ -194,7 +183,7 @@ def show(io: Any, states: list[str]) -> None:
         setattr(io, name, sum(1 << i for i in range(N) if states[i] == name))
 
 
-def run(control: Around, step: Step, rng: np.random.Generator) -> None:
+def run(control: Around, step: Step, rng: np.random.Generator, takes: tuple[tuple[str, str, int, int], ...] = TAKE) -> None:
     """Answers what is asked until the step is done."""
     io = control.io
     wait: dict[str, int] = {}
@@ -205,6 +194,7 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
     control.clock()
     for name, begin in begins.items():
         setattr(io, name, begin)
+    control.read()  # motion_order.v does
     while True:
         at, this, other = control.at[0], min(int(io.this_slot), N - 1), control.compared
         noise = [int(bit) for bit in rng.integers(2, size=12)]
@@ -212,6 +202,7 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
         io.settled = sum(1 << i for i in range(N) if step.corrections[i] >= 4)
         io.corrections = step.corrections[this]
         io.ended = int(step.ended[at]) if control.steady(3) else noise[0]
+        io.too_long = int(bool(rng.random() < 0.2) and control.stalls)
         io.meets, io.silent = int(step.meets[this]), int(step.silent[this])
         io.older = int(step.older[this, other]) if at == this and control.steady(4) else noise[1]
         io.weaker = int(step.weaker[this, other])
@@ -235,14 +226,14 @@ def run(control: Around, step: Step, rng: np.random.Generator) -> None:
         control.clock()
         io.start = io.end_life = 0
         wait = {name: clocks - 1 for name, clocks in wait.items() if clocks > 1}
-        for port, name, least, most in TAKE:
+        for port, name, least, most in takes:
             if int(io[port]):
                 wait[name] = int(rng.integers(least, most))
         assert int(io.widest) or not int(io.leave)
         assert not int(io.widest) or not int(io.c_ask)
-        if int(io.rests):
-            assert not any(due >= control.clocks for due, _ in control.under_way)
-            control.clock()  # a life that ends alone ends in the first clock of rest
+        assert int(io.done) == int(io.rests)
+        if int(io.done):
+            control.clock()  # in which the slot is written
             return
 
 
@@ -257,13 +248,14 @@ def test_random_steps(stalls: bool) -> None:
     for _ in range(700):
         step, alone = random_step(steps), steps.random() < 0.2
         expected = Step(**{**vars(step), "states": list(step.states)})
-        slot = int(steps.integers(N))
-        io.work_slot = slot
+        taken = [i for i in range(N) if step.states[i] != "free"]
+        if not taken:
+            continue
+        io.work_slot = slot = int(steps.choice(taken))
+        io.start, io.end_life = 1, int(alone)
         if alone:
-            io.end_life = 1
             expected.end(slot)
         else:
-            io.start = 1
             expected.go(slot)
         control.said.clear()
         run(control, step, rng)
@@ -273,19 +265,25 @@ def test_random_steps(stalls: bool) -> None:
     assert min(seen.get(name, 0) for name in (*COMMANDS, "leave", "resume")) > 2, seen
 
 
-def test_a_slot_whose_track_may_return_takes_the_clocks_of_the_header() -> None:
+def test_steps_take_the_clocks_of_the_header() -> None:
     sim = load("motion_step", {"N": N, "SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS)
     rng = np.random.default_rng(3)
     control = Around(sim, rng, COMMANDS, TO_SIDES)
     control.reset()
     took = []
-    for state in ("free", "left"):
+    for state, near in (("left", 0), ("candidate", 0), ("candidate", 1), ("candidate", 2)):
         step = random_step(rng)
-        step.states, step.ended = [state] * N, [False] * N
+        step.states, step.corrections = [state] * N, [4] * N
+        step.ended = step.held = step.appears = [False] * N
+        step.touched = step.returned = [[] for _ in range(N)]
+        step.near = {(a, b): b > 1 and b < 2 + near for a in range(N) for b in range(N)}
+        step.alike = dict.fromkeys(step.alike, False)
         sim.io.start, sim.io.work_slot, begun = 1, 1, control.clocks
-        run(control, step, rng)
+        run(control, step, rng, MEET_ALL)
         took.append(control.clocks - begun)
-    assert took[1] - took[0] == 10
+    before_and_after = 2  # clocks of run() that are not of the step
+    lives = 45 + N - 1
+    assert [clocks - before_and_after for clocks in took] == [20, lives, lives + 30 + 4, lives + 60 + 4]
 
 
 def test_lint() -> None:

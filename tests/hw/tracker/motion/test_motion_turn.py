@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""motion_turn.v: what comes next, whatever comes when; steps and ends of lives wait until nothing is under way."""
+"""motion_turn.v: what comes next, whatever comes when; nothing passes what is due before it, and nothing waits for long."""
 
 from __future__ import annotations
 
@@ -13,211 +13,240 @@ from evcot.hardware.registers import motion_addresses
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.testing import lint
 
-N, SLOT_W, TIME_W = 5, 3, 32
+N, SLOT_W, TIME_W, DUE_W = 5, 3, 32, 24
 MODE, STEP_LOG2 = motion_addresses()["mode"], motion_addresses()["step_log2"]
-STAGES = 6  # of the pipeline that takes what comes
+STAGES, EFFECT = 7, 6  # clocks until a token is done and causes a job, or an effect is done
+LATER, LATER_TICKS = 64, 256
+SHOWN, NEXT, READY = 4, 2, 2  # clocks until a slot that waits is shown, behind another one, and ready at the earliest
+PATIENCE = {"token": 6, "step": 9, "effect": 9, "end": 24}  # clocks in which what may come does; slots that are free end, too
+
+
+@dataclass
+class Waiting:
+    """A slot that waits."""
+
+    slot: int
+    event: int
+    tick: int
+    came: int
+    pause: int  # clocks from when it is shown until its jobs are done
+    own: bool
+    ended: int
 
 
 @dataclass
 class Surroundings:
-    """Tokens, work and slots that wait, around the module; each as slow as it likes."""
+    """Tokens, the pipeline and slots that wait."""
 
+    rng: np.random.Generator
+    token: tuple[int, bool, bool] | None = None  # time, event, taken out by a filter
+    pipe: dict[int, tuple[str, int, int, int]] = field(default_factory=dict)  # by clock: what is done, time, number, slot
+    entries: list[Waiting] = field(default_factory=list)
+    corrects: int = 0
+    alive: int = 0
     time: int = 0
-    due: bool = False
-    token: bool = False
-    counts: bool = False
-    pipe: list[tuple[str, int]] = field(default_factory=lambda: [("", 0)] * STAGES)
-    jobs: list[int] = field(default_factory=list)  # slots that wait for work,
-    puts: list[int] = field(default_factory=list)  # that wait to be in force
-    pause: int = 0  # clocks until the next one of them is shown
-    busy: int = 0  # clocks of work
-    op: str = ""
 
-    @property
-    def shown(self) -> bool:
-        return bool(self.puts) and self.pause == 0
-
-    @property
-    def nothing(self) -> bool:
-        return not (self.token or self.jobs or self.puts or self.busy or self.op or any(what for what, _ in self.pipe))
+    def wait(self, clock: int, slot: int, number: int, tick: int, corrects: bool) -> None:
+        """A job: the slot begins to wait, if it does not wait already."""
+        rng = self.rng
+        if any(entry.slot == slot for entry in self.entries):
+            return
+        pause = READY if rng.random() < 0.7 else READY + int(rng.integers(60))
+        ended = 1 << int(rng.integers(N)) & ~(1 << slot) if rng.random() < 0.1 else 0
+        own = corrects or rng.random() < 0.8
+        self.entries.append(Waiting(slot, number + LATER, tick + LATER_TICKS, clock, pause, own, ended))
+        self.corrects |= int(corrects) << slot
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_random_traffic(seed: int) -> None:
-    sim, rng = (
-        load("motion_turn", {"N": N, "SLOT_W": SLOT_W, "TIME_W": TIME_W}, extra_flags=PORTS_ONLY_FLAGS),
-        np.random.default_rng(seed),
-    )
-    io, around = sim.io, Surroundings()
+    rng = np.random.default_rng(seed)
+    widths = {"N": N, "SLOT_W": SLOT_W, "TIME_W": TIME_W, "DUE_W": DUE_W}
+    sim, around = load("motion_turn", widths, extra_flags=PORTS_ONLY_FLAGS), Surroundings(rng)
+    io = sim.io
     io.step_log2 = step_log2 = 5
     io.rst = 1
     sim.clock.tick()
     io.rst = 0
-    next_step, now, issued, seeded = 1 << step_log2, 0, 0, [False] * N
-    period, step_slot = next_step, 0
-    restarts: dict[int, int] = {}  # slots whose life must end, and since when
-    written: tuple[int, bool] | None = None  # a slot whose mode was written in the clock before, and whether it is seeded then
-    could_start = could_take = put_busy = rested = False
-    writes = stepping = (
-        0  # an operation that writes, or a slot that is put in force, was taken in the clock before; clocks of a step
-    )
+    next_step, now, issued, step_slot, seeded = 1 << step_log2, 0, 0, 0, [False] * N
+    period = next_before = next_step
+    restarts: dict[int, int] = {}  # slots that live and must end, and since when
+    came, empty, forces, held, settled, changes = False, 0, False, 0, 8, True
+    unseen = False  # a slot that does not live may have to end
+    shown_at = pop_at = wrote_at = -99
+    last_tick = last_now = 0
+    may_since = {"token": 0, "step": 0, "effect": 0, "end": 0}  # since when it may come
+    job: tuple[int, int, int] | None = None  # of a step in the clock before: real, pauses, ends
+    could_step, before, was_room, dead_step_at, shortest = False, False, False, -99, 99  # before: the clock before
     seen = dict.fromkeys(
-        (
-            "op",
-            "put",
-            "token",
-            "step",
-            "end",
-            "end before step",
-            "lowest",
-            "reached",
-            "no room",
-            "write",
-            "same",
-            "over",
-            "empty",
-            "too many empty",
-        ),
-        0,
+        ("token", "step", "dead", "effect", "fast", "end", "lowest", "event", "tick", "far", "empty", "many empty", "same"), 0
     )
-    quiet_since, settled, putting, steps_change = 0, 8, 0, True
-    seen |= {"empty": 0, "too many empty": 0}
-    came, empty, paused, kept = False, 0, 0, False  # periods in which no event came
-    for clock in range(9_000):
-        # ---- what is shown to it
-        wrote_mode, io.cfg_valid = bool(int(io.cfg_valid)) and int(io.cfg_addr) == MODE, 0
-        if rng.random() < (0.3 if wrote_mode else 0.006):
-            io.cfg_valid, io.cfg_addr, io.cfg_slot, io.cfg_data = 1, MODE, int(rng.integers(N)), int(rng.integers(2)) | 4
-        elif settled == 0 and int(io.quiet) and around.nothing and not stepping and rng.random() < 0.2:
-            io.cfg_valid, io.cfg_addr, step_log2 = 1, STEP_LOG2, int(rng.integers(9))
-            io.cfg_data, steps_change = step_log2, step_log2 != int(io.step_log2)
-            settled = 10
-        if clock % 200 < 150 and not around.token and settled <= 4 and not stepping and rng.random() < 0.5:
-            around.token, around.counts, around.time = True, rng.random() < 0.8, around.time + int(rng.integers(20))
-            around.due = around.time >= next_step
-        if around.jobs and not around.busy and not stepping:
-            around.busy = int(rng.integers(5, 30))
-        if around.busy and not around.op and rng.random() < 0.2:
-            around.op = str(rng.choice(["reads", "writes"]))
-        kept = around.counts and clock < 1_000
-        room, reached = rng.random() < 0.9, around.shown and rng.random() < 0.3
-        waits, working = bool(around.jobs or around.puts), bool(around.busy or around.op)
-        io.q_due, io.q_counts, io.room = int(around.token and around.due), int(around.counts), int(room)
-        io.q_event = int(kept)
-        io.q_runs = int(around.token and not around.due)
-        io.op_valid, io.op_writes = int(bool(around.op)), int(around.op == "writes")
-        io.op_beside = int(bool(around.op) and not stepping)
-        io.put_valid, io.reached = int(around.shown), int(reached)
-        io.put_slot = put_slot = around.puts[0] if around.shown else int(rng.integers(N))
-        kind, time = around.pipe[-1]
-        io.d_valid, io.d_time, io.put_done = int(kind == "token"), time, int(kind == "put")
-        active = any(what for what, _ in around.pipe)
-        io.active, io.waits_none, io.rests = int(active), int(not waits), int(not working)
-        # ---- what it says
-        took = {name: bool(int(io[f"takes_{name}"])) for name in ("op", "put", "token")}
-        step, end = bool(int(io.steps)), bool(int(io.ends_life))
-        ending = {slot: since for slot, since in restarts.items() if since <= clock - 3}
-        stop = bool(ending) or (around.token and around.due)
-        assert int(io.op_ready) == (not writes)
-        assert took["op"] == (bool(around.op) and not writes)
-        assert took["put"] == (not around.op and not writes and around.shown and not put_busy and (reached or stop))
-        may_take = not around.op and not writes and not reached and not stop and around.token
-        assert took["token"] == (may_take and could_take)
-        assert int(io.issues) == (took["token"] and around.counts)
-        assert (step or end) == could_start
-        assert end == (could_start and bool(ending))
-        if end:
-            assert int(io.work_slot) == min(slot for slot, since in restarts.items() if since <= clock - 2)
-            seen["end before step"] += around.token and around.due
-            seen["lowest"] += len(ending) > 1
-        over = stepping >= 3 and rested  # its last clock
-        assert int(io.holds) == (stepping > 0)
-        assert not put_busy or int(io.puts_slot) == putting
-        assert put_busy or not around.shown or int(io.puts_slot) == put_slot
-        assert (int(io.issued), int(io.following), int(io.now)) == (issued % 256, (issued + 1) % 256, now)
-        assert int(io.seeded) == sum(1 << i for i in range(N) if seeded[i])
-        assert settled > 5 or int(io.next_step) == next_step
-        assert int(io.paused) == paused
-        under_way = stepping or reached or put_busy or restarts or written
-        assert not int(io.quiet) or not (under_way or (steps_change and 5 < settled < 10))
-        quiet_since = 0 if under_way or settled > 5 else quiet_since + 1
-        assert int(io.quiet) or quiet_since < 3
-        for name, happens in (*took.items(), ("step", step), ("end", end), ("reached", reached), ("over", over)):
-            seen[name] += happens
-        seen["no room"] += may_take and not could_take
-        # ---- what follows
-        could_start = bool(
-            not stepping
-            and not (step or end)
-            and stop
-            and not active
-            and not waits
-            and not working
-            and not around.op
-            and not writes
-        )
-        rested = not working
-        could_take = room and not stepping and not (step or end)
-        if took["put"]:
-            put_busy, putting = True, put_slot
-            around.puts.pop(0)
-            around.pause = 3
-        elif kind == "put":
-            put_busy = False
-        around.pause = max(around.pause - 1, 0)
-        writes = (took["op"] and around.op == "writes") or took["put"]
-        if kind == "token":
-            now = time
-            free = [slot for slot in range(N) if slot not in around.jobs + around.puts]
-            if free and rng.random() < 0.1:
-                around.jobs.append(int(rng.choice(free)))
-        what = next((name for name in took if took[name]), "")
-        around.pipe = [(what, around.time), *around.pipe[:-1]]
-        issued += int(io.issues)
-        if took["token"]:
-            around.token = False
-        if took["op"]:
-            around.op = ""
-        if around.busy:
-            around.busy -= 1
-            if around.busy == 0 and around.jobs and not stepping:
-                around.puts.append(around.jobs.pop(0))
-        came = came or (took["token"] and kept)
-        if step:
-            assert int(io.work_slot) == step_slot
-        if step and step_slot == 0:
-            empty = 0 if came else empty + 1
-            paused += 1 << step_log2 if 0 < empty <= 32 else 0
-            seen["empty"] += 0 < empty <= 32
-            seen["too many empty"] += empty > 32
-            came = False
-        if step:
+    for clock in range(30_000):
+        # ---- a step that began in the clock before
+        if int(io.holds) and held == 0:
+            assert before  # decided in the clock before it comes
+            held, pauses = 4, step_slot == 0 and not came and empty < 32
+            lives = bool(around.alive >> step_slot & 1)
+            assert (int(io.job_real), int(io.job_pauses), int(io.job_ends)) == (lives, pauses, 0)
+            assert (job is not None) == (lives or pauses)
+            if lives and clock - 1 + STAGES in around.pipe:
+                around.pipe[clock - 1 + STAGES] = ("step", next_step, issued, step_slot)
+            if step_slot == 0:
+                seen["many empty"] += not came and empty == 32
+                empty = 0 if came else min(empty + 1, 32)
+                seen["empty"] += pauses
+                came = False
+            if not lives and not pauses:
+                shortest, dead_step_at = min(shortest, clock - dead_step_at), clock
+                seen["dead"] += 1
+            seen["step"] += 1
             step_slot = (step_slot + 1) % N
             period += 1 << step_log2 if step_slot == 0 else 0
             next_step = period + (step_slot << step_log2 >> SLOT_W)
-        if step or end:
-            stepping, around.busy = 1, int(rng.integers(0, 20))
-        elif stepping:
-            stepping = 0 if over else stepping + 1
-            if over:
-                around.due = around.token and around.time >= next_step
-        if end:
-            del restarts[int(io.work_slot)]
-        if written:
-            restarts.setdefault(written[0], clock)
-            seeded[written[0]] = written[1]
-        writes_mode = int(io.cfg_valid) and int(io.cfg_addr) == MODE
-        written = (int(io.cfg_slot), int(io.cfg_data) % 4 == Mode.SEEDED) if writes_mode else None
+        elif job is not None:  # then it is the end of a life
+            slot, real = job[0], around.alive >> job[0] & 1
+            assert (int(io.job_real), int(io.job_pauses), int(io.job_ends)) == (real, 0, 1)
+            forces = True
+        held = max(held - 1, 0)
+        assert int(io.holds) == (held > 0)
+        assert settled > 5 or int(io.next_step) == next_step
+        assert int(io.now) == now
+        assert clock <= wrote_at + 2 or int(io.seeded) == sum(1 << i for i in range(N) if seeded[i])
+        # ---- what is shown to it
+        io.cfg_valid = 0
+        nothing = not (around.pipe or around.entries or around.token or restarts or held)
+        if rng.random() < (0.3 if clock <= wrote_at + 2 else 0.002):
+            io.cfg_valid, io.cfg_addr, io.cfg_slot, io.cfg_data = 1, MODE, int(rng.integers(N)), int(rng.integers(2)) | 4
+            slot, wrote_at = int(io.cfg_slot), clock
+            seeded[slot] = int(io.cfg_data) % 4 == Mode.SEEDED
+            if around.alive >> slot & 1:
+                restarts.setdefault(slot, clock)
+            unseen = True
+        elif settled == 0 and nothing and int(io.quiet) and rng.random() < 0.2:
+            io.cfg_valid, io.cfg_addr, step_log2 = 1, STEP_LOG2, int(rng.choice([3, 4, 5, 8]))
+            io.cfg_data, changes, settled = step_log2, step_log2 != int(io.step_log2), 10
+            seen["same"] += not changes
+        if clock % 400 < 320 and around.token is None and settled <= 4 and rng.random() < 0.6:
+            event = clock < 12_000 and rng.random() < 0.8
+            ticks = 400 if rng.random() < 0.01 else 12 if clock % 2_000 < 1_000 else 3
+            around.time += int(rng.integers(ticks))
+            around.token = (around.time, event, not event and rng.random() < 0.5)
+        if clock % 50 == 0 and not unseen and not around.pipe:
+            around.alive = int(rng.integers(1 << N)) if rng.random() < 0.8 else 0
+        due = bool(around.token) and around.time >= next_before
+        counts = around.token is not None and (around.token[1] or around.token[2])
+        far = around.time - last_now >= LATER_TICKS
+        io.q_due, io.q_runs, io.q_event, io.q_counts = (
+            int(due), int(bool(around.token) and not due), int(bool(around.token) and around.token[1]), int(counts),
+        )  # fmt: skip
+        io.q_late, io.q_far = int(around.time >= last_tick), int(far)
+        room, clears = rng.random() < 0.95, rng.random() < 0.03
+        io.room, io.op_clear, io.alive, io.corrects = int(room), int(clears), around.alive, around.corrects
+        first = around.entries[0] if around.entries else None
+        shown = first is not None and clock >= max(first.came + SHOWN, pop_at + NEXT)
+        shown_at = shown_at if shown and shown_at > pop_at else clock if shown else -99
+        ready = first is not None and shown and clock >= shown_at + first.pause
+        io.due_any, io.due_valid, io.ready = int(first is not None and first.came < clock), int(shown), int(ready)
+        if first is not None and clock + 1 >= max(first.came + SHOWN, pop_at + NEXT):  # a clock before
+            io.due_slot, io.due_event, io.due_tick = first.slot, first.event % 256, first.tick
+            io.due_own, io.due_ended = int(first.own), first.ended
+        done = around.pipe.get(clock)
+        io.active = int(bool(around.pipe))
+        io.d_valid, io.effect_done = int(done is not None and done[0] == "token"), int(done is not None and done[0] == "effect")
+        io.d_time = done[1] if done is not None else 0
+        # ---- what it says
+        token, effect, step = bool(int(io.takes_token)), bool(int(io.op_effect)), bool(int(io.op_step))
+        assert token + effect + step + clears <= 1
+        ending = {slot for slot, since in restarts.items() if since <= clock - 5}
+        by_event = first is not None and first.event <= issued
+        by_tick = first is not None and ((due and first.tick <= next_step) or (not due and first.tick <= around.time))
+        is_due = by_event or (around.token is not None and by_tick)
+        fast = first is not None and first.own and not first.ended and bool(around.corrects >> first.slot & 1)
+        kinds = {what for what, *_ in around.pipe.values()}
+        steps_under_way = "step" in kinds
+        if token:
+            assert around.token is not None
+            assert not is_due
+            assert not due
+            assert was_room
+            assert not ending
+            assert not forces
+            assert held == 0
+            assert not (far and around.pipe)
+            seen["far"] += far
+        if effect:
+            assert first is not None
+            assert ready
+            assert is_due or unseen
+            assert kinds <= {"clear"} or (fast and not steps_under_way)
+            seen["event"] += by_event
+            seen["tick"] += is_due and not by_event
+            seen["fast"] += bool(around.pipe)
+        if step:
+            assert not around.pipe
+            ends = int(io.work_slot) in restarts and int(io.work_time) == now and (bool(ending) or not due)
+            if ends:
+                assert not around.entries
+                assert int(io.work_slot) == min(slot for slot, since in restarts.items() if since <= clock - 3)
+                seen["end"] += 1
+                seen["lowest"] += len(restarts) > 1
+                del restarts[int(io.work_slot)]
+            else:
+                assert (int(io.work_slot), int(io.work_time)) == (step_slot, next_step)
+        unseen = unseen and not (int(io.quiet) and clock > wrote_at + 3)
+        rests = not around.pipe and held == 0 and not ending and not forces
+        before = could_step
+        could_step = due and rests and not is_due and room
+        may = {
+            "token": rests and room and around.token is not None and not due and not is_due and not clears,
+            "step": could_step and not restarts and not clears,
+            "effect": ready and is_due and not around.pipe and held == 0 and not clears,
+            "end": bool(ending) and not around.pipe and not around.entries and held == 0 and not clears,
+        }
+        comes = {"token": token, "step": step, "effect": effect, "end": step}
+        for name in may:
+            late = may[name] and not comes[name] and (not unseen or ending) and settled < 5
+            may_since[name] = may_since[name] + 1 if late else 0
+            assert may_since[name] <= PATIENCE[name], name
+        # ---- what follows
+        job = (int(io.work_slot), 0, 0) if step else None
+        if token and around.token is not None:
+            around.pipe[clock + STAGES] = ("token", around.time, issued, int(rng.integers(N)))
+            came = came or around.token[1]
+            issued += int(counts)
+            around.token = None
+            seen["token"] += 1
+        if step:
+            around.pipe[clock + STAGES] = ("step", now, issued, int(io.work_slot))
+        if effect:
+            around.pipe[clock + EFFECT] = ("effect", 0, 0, 0)
+            pop_at = clock
+            around.entries.pop(0)
+            seen["effect"] += 1
+        if clears:
+            around.pipe.setdefault(clock + EFFECT, ("clear", 0, 0, 0))
+        last_tick, last_now, was_room, next_before = int(io.due_tick), now, room, next_step
+        if done is not None:
+            what, tick, number, slot = around.pipe.pop(clock)
+            if what == "effect":
+                around.corrects &= int(sum(1 << entry.slot for entry in around.entries))
+            if what == "token":
+                now = tick
+            if what == "step" and around.alive >> slot & 1:
+                around.wait(clock, slot, number, tick, corrects=False)
+            if what == "token" and rng.random() < 0.1:
+                around.wait(clock, slot, number, tick, corrects=True)
+                assert all(time < tick + LATER_TICKS for name, time, *_ in around.pipe.values() if name == "token")
+        forces = forces and bool(around.entries or around.pipe)
         sim.clock.tick()
         settled = max(settled - 1, 0)
         if settled == 8:
             io.step_log2 = step_log2
-            if steps_change:
-                next_step = period = ((now >> step_log2) + 1) << step_log2
+            if changes:
+                next_step = period = next_before = ((now >> step_log2) + 1) << step_log2
                 step_slot = 0
-            seen["write"] += 1
-            seen["same"] += not steps_change
     assert min(seen.values()) > 0, seen
+    assert shortest == 5
 
 
 def test_lint() -> None:

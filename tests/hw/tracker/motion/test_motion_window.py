@@ -60,8 +60,10 @@ def test_random_boxes() -> None:
         for _clock in range(4):
             sim.clock.tick()
         io.start = 1
-        for _clock in range(6):
-            assert not int(io.done)
+        for clock in range(6):
+            assert (int(io.done), int(io.soon)) == (0, clock == 4)
+            if clock == 4:
+                assert int(io.box) == packed([bound for axis in slot.axes for bound in axis.box])
             sim.clock.tick()
             io.start = 0
         assert int(io.done)

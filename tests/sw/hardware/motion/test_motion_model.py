@@ -21,7 +21,7 @@ from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import DROPPED, Kind
-from support.bursts import Square, bursts
+from support.logs import Square, bursts
 from support.moving import QUICK, SHAPE, VARIANTS, scene
 from support.slow_motion import SlowArray
 

@@ -15,7 +15,7 @@ from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Shape
 from evcot.hardware.motion import _state
 from evcot.hardware.motion._gaps import clear_bins
-from evcot.hardware.motion._velocity import gain_log2, over
+from evcot.hardware.motion._velocity import follow_pace, gain_log2, over
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
@@ -64,6 +64,11 @@ def _gain_at(s: NDArray[np.int64], r: NDArray[np.int64], run: int) -> int:
     return gain_log2(s, r, 0, 63, run)
 
 
+@njit
+def _follow_at(s: NDArray[np.int64]) -> None:
+    follow_pace(s, 0)
+
+
 def _gain_of(run: int, *, meets: int = 0, gain_fast: int = 0) -> int:
     s = np.zeros((1, _state.FIELD_COUNT), np.int64)
     s[0, _state.MEETS] = meets
@@ -108,10 +113,10 @@ def test_prediction_carries_an_object_over_silence() -> None:
 
 def test_a_silent_velocity_dies_away() -> None:
     stream = events(outline(3, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 20_000, 400_000))
-    last = TickedEvents(np.array([470_000]), *(np.array([200], np.uint16),) * 2, np.zeros(1, np.uint8))
+    last = TickedEvents(np.array([590_000]), *(np.array([200], np.uint16),) * 2, np.zeros(1, np.uint8))
     both = [TickedEvents(*(np.concatenate(pair) for pair in zip(vars(stream).values(), vars(last).values(), strict=True)))]
-    found = records(both[0], replace(DEFAULT, life_ticks=100_000))
-    silent = found[found["time"] > 405_000]["v_x"]
+    found = records(both[0], replace(DEFAULT, life_ticks=200_000, coast_ticks=200_000))
+    silent = found[found["time"] > 450_000]["v_x"]
     assert 0.7 * silent[0] > silent[-1] > 0
     assert (np.diff(silent) <= 0).all()
 
@@ -130,11 +135,50 @@ def test_corrections_that_agree_are_followed_sooner() -> None:
     stream, _ = swing(4)
     off = {}
     for fast in (0, 2):
-        found = records(stream, replace(DEFAULT, gain_log2=6, gain_slow=0, gain_fast=fast, life_ticks=100_000))
-        found = found[found["time"] > 500_000]
-        speed = 2 * np.pi * 60.0 * np.cos(2 * np.pi * found["time"] * 1e-6)
-        off[fast] = np.abs(found["v_x"] * 1e6 / 1024 / PX - speed).mean()
+        registers = replace(DEFAULT, gain_log2=6, gain_slow=0, gain_fast=fast, life_ticks=100_000)
+        model = MotionModel(MotionConfig(Shape(n_slots=1, x_w=8, y_w=8), registers))
+        errors = []
+        for begin in range(0, len(stream.ticks), 100):
+            part = stream[begin : begin + 100]
+            model.feed(part)
+            speed = 2 * np.pi * 60.0 * np.cos(2 * np.pi * part.ticks[-1] * 1e-6)
+            errors.append(abs(model._state[0, _state.V_X] * 1e6 / 1024 / PX - speed))
+        off[fast] = np.mean(errors[len(errors) // 4 :])
     assert off[2] < 0.6 * off[0]
+
+
+def followed(sides: tuple[int, int, int, int], was: Pair, pace: Pair, stated: Pair) -> list[int]:
+    """`was`, `pace` and `stated` of both axes after a step."""
+    s = np.zeros((1, _state.FIELD_COUNT), np.int64)
+    s[0, [_state.LO_X, _state.HI_X, _state.LO_Y, _state.HI_Y]] = sides
+    columns = [_state.WAS_X, _state.WAS_Y, _state.PACE_X, _state.PACE_Y, _state.STATED_X, _state.STATED_Y]
+    s[0, columns] = *was, *pace, *stated
+    _follow_at(s)
+    return [int(value) for value in s[0, columns]]
+
+
+def test_the_stated_velocity_is_the_displacement_averaged_twice() -> None:
+    # 40,960 x 81,920; the middle has moved by 160 and by -160 half units
+    assert followed((0, 40_960, 0, 81_920), (40_800, 82_080), (0, 0), (0, 0)) == [40_960, 81_920, 10, -10, 1, -1]
+    # to nearest, halves upwards
+    assert followed((0, 40_960, 0, 81_920), (40_952, 81_928), (0, 0), (0, 0)) == [40_960, 81_920, 1, 0, 0, 0]
+    # 2,560 << 4 is the shorter side, one more is beyond; at most 65,535 count
+    sides = (0, 40_960, 0, 81_920)
+    assert followed(sides, (-100_000, 0), (0, 0), (2_560, 0))[2:] == [4_096, 4_096, 2_656, 256]
+    assert followed(sides, (-100_000, 0), (0, 0), (2_561, 0))[2:] == [8_192, 8_192, 3_265, 1_024]
+    # never faster than over two steps
+    assert followed(sides, (40_960, 81_920), (0, 0), (0, -60_000)) == [40_960, 81_920, 0, 0, 0, -30_000]
+    # sides that have passed each other have no length
+    assert followed((8, 0, 0, 81_920), (8, 81_920), (2, 0), (4, 0))[2:] == [1, 0, 3, 0]
+
+
+def test_the_stated_velocity_is_right_and_steady() -> None:
+    stream = events(outline(5, (30.0, 60.0), (120.0, 60.0), (9.0, 9.0), 20_000))
+    found = records(stream)
+    settled = found[(found["time"] > 500_000) & (found["kind"] == Kind.MOVED)]
+    speeds = np.array([settled["v_x"], settled["v_y"]]) * 1e6 / 1024 / PX
+    assert np.abs(speeds.mean(axis=1) - [120.0, 60.0]).max() < 2.0
+    assert speeds.std(axis=1).max() < 3.0
 
 
 def test_the_gain_rises_after_two_that_agree_and_not_beside_another() -> None:

@@ -14,12 +14,9 @@ from PIL import Image, ImageSequence
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.films import Look, render, side_of
-from evcot.pictures.films.colours import EVENTS, GROUND, SIDES, palette
-from evcot.pictures.films.draw import compose
+from evcot.pictures.films.draw import EVENTS, GROUND, SIDES, Surface, compose, palette
 from evcot.pictures.films.encode import GIF_PIXELS_MAX, GifEncoder
-from evcot.pictures.films.film import picture_times
-from evcot.pictures.films.states import Follower
-from evcot.pictures.films.surface import Surface
+from evcot.pictures.films.film import Follower, picture_times
 from evcot.tracks.log import TRACK, Kind, TrackLog
 
 SENSOR = (32, 20)

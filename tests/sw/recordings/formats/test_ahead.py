@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from evcot.recordings.formats.ahead import in_order
+from evcot.recordings.formats.blocks import in_order
 
 
 def test_results_stand_in_the_order_of_their_pieces() -> None:

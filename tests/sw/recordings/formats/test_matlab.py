@@ -45,6 +45,19 @@ def write_7_3(path: Path, content: dict[str, Any]) -> Path:
     return path
 
 
+def write_variables(path: Path, content: dict[str, Any], version: str, **storage: Any) -> Path:
+    """Variables that are numbers, as MATLAB's `save` writes them: matrices of 7.3 are stored as rows for columns."""
+    if version != "7.3":
+        return write(path, content, do_compression=version == "7")
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in content.items():
+            file.create_dataset(name, data=np.atleast_2d(values).T, **storage)
+        file["#refs#/a"] = 1
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+    return path
+
+
 def refusal(path: Path) -> str:
     with pytest.raises(RecordingError) as caught:
         read_recording(path)
@@ -167,21 +180,54 @@ def test_the_first_struct_is_read_where_none_is_called_td(tmp_path: Path) -> Non
 @pytest.mark.parametrize("order", ["txyp", "xytp", "xypt", "ptxy"])
 @pytest.mark.parametrize("kind", ["seconds", "whole", "uint32"])
 @pytest.mark.parametrize("coding", ["1 and 2", "-1 and 1", "0 and 1"])
-@pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
+@pytest.mark.parametrize("version", ["5", "7", "7.3"])
 def test_a_matrix_of_four_columns_is_read_in_any_order(
-    tmp_path: Path, order: str, kind: str, coding: str, compressed: bool
+    tmp_path: Path, order: str, kind: str, coding: str, version: str
 ) -> None:
     t = (T_US + 70_000) * (1e-6 if kind == "seconds" else 1)
     rows = np.stack([{"t": t, "x": X, "y": Y, "p": POLARITIES[coding]}[name] for name in order], axis=1)
     if kind == "uint32" and coding != "-1 and 1":
         rows = rows.astype(np.uint32)
-    content = {"camera": np.eye(4), "events": rows, "note": "text"}
-    with open_recording(write(tmp_path / "events.mat", content, do_compression=compressed)) as file:
+    content: dict[str, Any] = {"camera": np.eye(4), "events": rows} | ({} if version == "7.3" else {"note": "text"})
+    with open_recording(write_variables(tmp_path / "events.mat", content, version)) as file:
         events = file.read().events
         assert file.details["matrix"] == "events"
         assert file.details["columns"].startswith(f"{', '.join(order)}, assumed by their values; ")
         assert file.details["times in"] == ("seconds" if kind == "seconds" else "microseconds")
     assert_events(Events(events.t_us - 70_000, events.x, events.y, events.p))
+
+
+@pytest.mark.parametrize("chunks", [(1, 25), (2, 25), (4, 7), (4, COUNT)])
+@pytest.mark.parametrize("filters", [{"compression": "gzip"}, {"compression": "gzip", "shuffle": True}, {}])
+def test_a_matrix_of_version_7_3_may_be_in_chunks(tmp_path: Path, chunks: tuple[int, int], filters: dict[str, Any]) -> None:
+    rows = np.stack([X, Y, T_US + 70_000, P], axis=1).astype(float)
+    path = write_variables(tmp_path / "events.mat", {"m": rows}, "7.3", chunks=chunks, **filters)
+    events = read_recording(path).events
+    assert_events(Events(events.t_us - 70_000, events.x, events.y, events.p))
+
+
+def test_of_several_matrices_of_version_7_3_the_longest_is_read_or_the_named(tmp_path: Path) -> None:
+    rows = np.stack([T_US + 70_000, X, Y, P], axis=1)
+    path = write_variables(tmp_path / "events.mat", {"a": rows[:30], "b": rows}, "7.3")
+    for options, name, count in (({}, "b", COUNT), ({"struct": "a"}, "a", 30)):
+        with open_recording(path, **options) as file:
+            assert (file.details["matrix"], len(file.read().events)) == (name, count)
+    with pytest.raises(RecordingError, match=r"has no struct 'c' of events: must be one of b, a$"):
+        open_recording(path, struct="c")
+
+
+@pytest.mark.parametrize("version", ["5", "7", "7.3"])
+@pytest.mark.parametrize("names", [("x", "y", "p", "t"), ("xs", "ys", "pol", "ts")])
+@pytest.mark.parametrize("scale", [1, 1e-6])
+@pytest.mark.parametrize("upright", [False, True])
+def test_four_variables_are_read(tmp_path: Path, version: str, names: tuple[str, ...], scale: float, upright: bool) -> None:
+    values = (X + 1, Y + 1, P + 1, T_US * scale)
+    content = {name: each[:, None] if upright else each[None] for name, each in zip(names, values, strict=True)}
+    path = write_variables(tmp_path / "events.mat", content | {"gain": np.ones((1, 1)), "k": np.eye(4)}, version)
+    with open_recording(path) as file:
+        assert_events(file.read().events)
+        assert file.details["variables"] == "x, y, p, ts"
+        assert ("times in", "seconds") in file.details.items() or scale == 1
 
 
 def test_a_struct_comes_before_a_matrix_and_small_matrices_are_no_events(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -287,12 +288,25 @@ def test_arrays_of_evimo(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", events_t=t_s, events_xy=places, events_p=p, meta=np.zeros(3))
     with open_recording(tmp_path / "a.npz") as file:
         events = file.read().events
-        assert file.details["polarity"] == "the lowest bit of events_p"
+        assert file.details["polarity"].startswith("the lowest bit of events_p; ")
     assert events.t_us.tolist() == [19, 205, 500_000]
     assert (events.x.tolist(), events.y.tolist(), events.p.tolist()) == ([50, 52, 1], [102, 104, 2], [1, 0, 1])
     np.savez(tmp_path / "b.npz", events_t=t_s, events_xy=np.zeros((3, 3)), events_p=p)
     with pytest.raises(RecordingError, match=r"events_xy: is \(3, 3\) of float64: must be \(n, 2\), row by row"):
         read_recording(tmp_path / "b.npz")
+
+
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+def test_rows_of_evimo_among_frames_and_objects(tmp_path: Path, save: Any) -> None:
+    """As EVIMO's tools write a sequence: events are rows t, x, y, p, the times in seconds; `meta` is a pickled dictionary."""
+    rows = np.stack([EVENTS.t_us * 1e-6, EVENTS.x, EVENTS.y, EVENTS.p], axis=1)
+    frames = {"classical": np.zeros((3, 5, 4, 3), np.uint8), "depth": np.zeros((3, 5, 4), np.uint16), "K": np.eye(3)}
+    meta = np.array({"frames": []}, object)
+    save(tmp_path / "sequence.npz", meta=meta, index=np.arange(9), events=rows, discretization=0.01, **frames)
+    assert_same(read_recording(tmp_path / "sequence.npz").events, EVENTS)
+    save(tmp_path / "other.npz", meta=meta, classical=frames["classical"])
+    with pytest.raises(RecordingError, match="no objects"):
+        read_recording(tmp_path / "other.npz")
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.uint32, np.uint64])

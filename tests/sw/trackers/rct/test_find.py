@@ -76,3 +76,20 @@ def test_full_options_do_not_depend_on_where_the_stream_is_cut() -> None:
     parts = [tracker.feed(events[a:b])[0] for a, b in pairwise(cuts)]
     np.testing.assert_array_equal(np.concatenate([*parts, tracker.finish()]), whole)
     assert len(whole) > 1_000
+
+
+SEATS = 64  # of a tracker with few clusters
+CONFIG = RctConfig(max_clusters=8, radius_px=10.0, lifetime_us=1_500, surround=1.7)
+
+
+def strays(n: int) -> list[tuple[int, int, int]]:
+    """Single events, a millisecond apart, at distant positions: each takes a seat and is soon removed."""
+    return [(1_000 * k, 700, 90 * (k % 11)) for k in range(n)]
+
+
+@pytest.mark.parametrize("assign", ["nearest", "first"])
+def test_an_old_cluster_keeps_its_window_and_its_surround(assign: str) -> None:
+    rows = [row for t, x, y in strays(5 * SEATS) for row in ((t, 300, 300), (t + 1, 300, 312), (t + 2, x, y))]
+    owners = tracked(events_of(rows), replace(CONFIG, assign=assign))[1].reshape(-1, 3)
+    assert (owners[:, :2] == (0, -1)).all()
+    assert set(owners[:, 2].tolist()) == {1, 2}

@@ -11,7 +11,7 @@ import pytest
 
 from evcot.events import Events, Recording
 from evcot.trackers.rct.config import RctConfig
-from evcot.trackers.rct.move import EXTENT_QUANTILE
+from evcot.trackers.rct.motion import EXTENT_QUANTILE
 from evcot.trackers.rct.tracker import RctTracker, track
 from evcot.tracks.log import Kind
 

@@ -80,6 +80,38 @@ def test_foxglove_finds_annotations_and_a_picture_at_every_instant(tmp_path: Pat
         assert image.size == (64, 48)
 
 
+def test_a_layout_next_to_the_file_shows_topics_that_are_in_it(tmp_path: Path) -> None:
+    write_boxes(tmp_path / "a.mcap", two_tracks())
+    layout = json.loads((tmp_path / "a.layout.json").read_text())
+    topics = messages(tmp_path / "a.mcap")
+    panels = layout["configById"]
+    image = panels["Image!evcot"]["imageMode"]
+    assert {image["imageTopic"], *image["annotations"]} == {"/sensor", "/tracks/annotations"} <= topics.keys()
+    box = topics["/tracks/boxes"][0][2]["boxes"][0]
+    assert panels["Table!evcot"]["topicPath"] == "/tracks/boxes.boxes"
+    assert all(path["value"].removeprefix("/tracks/boxes.boxes[:].") in box for path in panels["Plot!evcot"]["paths"])
+    columns = layout["layout"]
+    assert {columns["first"], columns["second"]["first"], columns["second"]["second"]} == panels.keys()
+
+
+def test_a_layout_replaces_no_other_file(tmp_path: Path) -> None:
+    layout = tmp_path / "a.layout.json"
+    layout.write_text("mine")
+    for force in (False, True):
+        write_boxes(tmp_path / "a.mcap", two_tracks(), force=force)
+        assert layout.read_text() == "mine"
+    layout.unlink()
+    layout.symlink_to("nowhere")
+    write_boxes(tmp_path / "a.mcap", two_tracks(), force=True)
+    assert layout.is_symlink()
+    assert not (tmp_path / "nowhere").exists()
+    layout.unlink()
+    write_boxes(tmp_path / "a.mcap", two_tracks(), force=True)
+    assert "Image!evcot" in json.loads(layout.read_text())["configById"]
+    write_boxes(tmp_path / "b", two_tracks(), name="mcap")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.layout.json", "a.mcap", "b"]
+
+
 def test_without_a_sensor_the_picture_holds_all_boxes(tmp_path: Path) -> None:
     made = two_tracks()
     write_boxes(tmp_path / "a.mcap", Boxes(made.instants_us, made.rows))

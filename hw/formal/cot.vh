@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// The axes, and so whether an event lies inside, may do anything. So may the registers, unless f_fixed is chosen: then they are legal and
+// stay, and sizes and times have their limits.
+(* anyconst *) wire f_fixed;
+localparam F_REGS_W = 5 * RADIX_W + 3 * TC_W + 3 * NEV_W;
+wire [F_REGS_W-1:0] f_regs = {init_radix, radix_th, radix_step, radix_min, radix_max, max_ticks, nev_th, detect_ticks, clust_nev, nev_min, nev_max};
+reg  [F_REGS_W-1:0] f_were;
+always @(posedge clk) f_were <= f_regs;
+always @* if (f_fixed) begin
+    assume (!f_past || f_were == f_regs);
+    assume (radix_min <= init_radix && init_radix <= radix_max);
+    assume (max_ticks != 0 && nev_min != 0 && nev_min <= clust_nev && clust_nev <= nev_max);
+end
+
+wire f_in   = s_valid && s_ready;
+wire f_own  = m_own_valid && m_own_ready;
+wire f_pass = m_pass_valid && m_pass_ready;
+
+// What the token that was accepted last has not yet delivered.
+reg f_event, f_ticks;
+reg [TICK_W-1:0] f_tick;
+reg [X_W+Y_W+SEQ_W:0] f_token;
+reg [TIME_W-1:0] f_time, f_last;  // of all ticks that came; of the last owned event
+reg [`EVCOT_ST_W-1:0] f_was;
+reg f_began, f_restarts, f_own_waits, f_pass_waits, f_cm_waits;
+reg [RADIX_W*2+SEQ_W+4:0] f_own_was;
+reg [TICK_W+X_W+Y_W+SEQ_W+1:0] f_pass_was;
+wire [RADIX_W*2+SEQ_W+4:0] f_own_now = {m_own_x, m_own_y, m_own_p, m_own_seq};
+wire [TICK_W+X_W+Y_W+SEQ_W+1:0] f_pass_now = {m_pass_tick, m_pass_event, m_pass_x, m_pass_y, m_pass_p, m_pass_seq};
+reg [2+ID_W+NEV_W+SUP_W+SEQ_W+TIME_W-1:0] f_cm_was;
+wire [2+ID_W+NEV_W+SUP_W+SEQ_W+TIME_W-1:0] f_cm_now = {m_cm_kind, m_cm_id, m_cm_n_ev, m_cm_support, m_cm_seq, m_cm_time};
+always @(posedge clk) begin
+    f_was   <= state;
+    f_began <= rst;
+    {f_own_waits, f_pass_waits, f_cm_waits} <= {m_own_valid && !m_own_ready, m_pass_valid && !m_pass_ready, m_cm_valid && !m_cm_ready};
+    {f_own_was, f_pass_was, f_cm_was} <= {f_own_now, f_pass_now, f_cm_now};
+    if (f_own || (f_pass && m_pass_event)) f_event <= 1'b0;
+    if (f_pass) f_ticks <= 1'b0;
+    if (f_in) begin
+        f_event <= s_event;
+        f_ticks <= s_tick != {TICK_W{1'b0}};
+        f_tick  <= s_tick;
+        f_token <= {s_x, s_y, s_p, s_seq};
+        f_time  <= f_time + {{(TIME_W - TICK_W) {1'b0}}, s_tick};
+    end
+    if (takes) f_last <= now;
+    if (state == `EVCOT_ST_IDLE && waits) f_restarts <= restart;
+    else if (state == `EVCOT_ST_EV_DISCRI) f_restarts <= 1'b0;
+    if (rst) begin
+        {f_event, f_ticks} <= 2'b00;
+        {f_own_waits, f_pass_waits, f_cm_waits} <= 3'b000;
+        f_time <= {TIME_W{1'b0}};
+    end
+end
+
+wire f_undecided = state == `EVCOT_ST_EV_DISCRI || held;
+wire f_decides = state == `EVCOT_ST_EV_DISCRI && !expired && !held;
+wire [TIME_W-1:0] f_age  = now + {{(TIME_W - TICK_W) {1'b0}}, token_tick} - f_last;  // of the last owned event, at the token being decided
+wire [TIME_W-1:0] f_idle = now - f_last;
+reg f_legal;
+always @* case (f_was)
+    `EVCOT_ST_INIT_CELL:  f_legal = state == `EVCOT_ST_INIT_CELL || state == `EVCOT_ST_IDLE;
+    `EVCOT_ST_IDLE:       f_legal = state == `EVCOT_ST_IDLE || state == `EVCOT_ST_INIT_CELL || state == `EVCOT_ST_EV_DISCRI;
+    `EVCOT_ST_EV_DISCRI:  f_legal = state == `EVCOT_ST_INIT_CELL || state == `EVCOT_ST_EV_PASS_TH || state == `EVCOT_ST_EV_NO_PROC || state == `EVCOT_ST_EV_PROC;
+    `EVCOT_ST_EV_PASS_TH: f_legal = state == `EVCOT_ST_IDLE;
+    `EVCOT_ST_EV_NO_PROC: f_legal = state == `EVCOT_ST_IDLE;
+    `EVCOT_ST_EV_PROC:    f_legal = state == `EVCOT_ST_IDLE || (state == `EVCOT_ST_EV_PROC && updated);
+    default:              f_legal = 1'b0;
+endcase
+
+always @* if (f_past) begin
+    p_states: assert (f_began ? state == `EVCOT_ST_INIT_CELL : f_legal);
+    p_once:   assert ((!m_own_valid || f_event) && (!(m_pass_valid && m_pass_event) || f_event) && !(m_own_valid && m_pass_valid && m_pass_event));
+    p_lost:   assert (!s_ready || !(f_event || f_ticks));
+    p_ticks:  assert (!m_pass_valid || (m_pass_tick == f_tick && (m_pass_event || f_ticks)));
+    p_fields: assert ((!(m_pass_valid && m_pass_event) || {m_pass_x, m_pass_y, m_pass_p, m_pass_seq} == f_token)
+                   && (!m_own_valid || {m_own_p, m_own_seq} == f_token[SEQ_W:0]));
+    p_time:   assert ((f_undecided && !held ? now + {{(TIME_W - TICK_W) {1'b0}}, token_tick} : now) == f_time);
+    p_stable: assert ((!f_own_waits || (m_own_valid && f_own_now == f_own_was)) && (!f_pass_waits || (m_pass_valid && f_pass_now == f_pass_was))
+                   && (!f_cm_waits || (m_cm_valid && f_cm_now == f_cm_was)));
+    p_limits: assert (!f_fixed || state == `EVCOT_ST_INIT_CELL || (radix_min <= g && g <= radix_max && nev_min <= n_ev && n_ev <= nev_max && count < n_ev));
+    p_alive:  assert (!(f_fixed && f_decides && collecting && active) || f_age < max_ticks);
+    p_dead:   assert (!(f_fixed && m_cm_valid && m_cm_kind == `EVCOT_KIND_LOST && !f_restarts) || m_cm_time == f_last + max_ticks);
+    i_token:  assert (f_undecided ? !own_pending && !pass_pending && f_event == token_event && f_ticks == (token_tick != 0)
+                                  : f_event == (own_pending || (pass_pending && pass_event)) && f_ticks == (pass_pending && token_tick != 0));
+    i_ticks:  assert (!(f_event || f_ticks) || (token_tick == f_tick && {token_x, token_y, token_p, token_seq} == f_token));
+    i_some:   assert (!f_undecided || token_event || token_tick != 0);
+    i_over:   assert (!held || state == `EVCOT_ST_INIT_CELL || (!collecting && !active && !cm_pending));
+    i_cm:     assert (!cm_pending || state == `EVCOT_ST_IDLE || state == `EVCOT_ST_INIT_CELL);
+    i_held:   assert (!held || state == `EVCOT_ST_INIT_CELL || state == `EVCOT_ST_IDLE || state == `EVCOT_ST_EV_DISCRI);
+    i_pend:   assert (!(own_pending && pass_pending) || !pass_event);
+    i_expire: assert (!expired || (state == `EVCOT_ST_EV_DISCRI && !held && collecting) || !f_fixed);
+    i_init:   assert (state != `EVCOT_ST_INIT_CELL || f_undecided || (!own_pending && !pass_pending));
+    i_time:   assert (!(f_fixed && collecting && active) || state == `EVCOT_ST_EV_NO_PROC || state == `EVCOT_ST_EV_PROC || state == `EVCOT_ST_INIT_CELL
+                      || ({{(TIME_W - TC_W) {1'b0}}, tc} == f_idle && tc < max_ticks));
+    c_states: cover (f_was == `EVCOT_ST_EV_DISCRI && state == `EVCOT_ST_INIT_CELL);
+    c_once:   cover (m_own_valid && m_pass_valid);
+    c_lost:   cover (s_ready && f_time != 0);
+    c_ticks:  cover (m_pass_valid && !m_pass_event);
+    c_fields: cover (m_pass_valid && m_pass_event && f_pass_waits);
+    c_time:   cover (held && now != 0);
+    c_stable: cover (f_own_waits && f_cm_waits);
+    c_limits: cover (f_fixed && count != 0 && active);
+    c_alive:  cover (f_fixed && f_decides && collecting && active && f_age == max_ticks - 1 && max_ticks > 2);
+    c_dead:   cover (f_fixed && m_cm_valid && m_cm_kind == `EVCOT_KIND_LOST && !f_restarts && max_ticks > 1);
+end

