@@ -31,37 +31,6 @@ def test_hands_everything_on_when_not_enabled() -> None:
     assert compare_with_reference(polarity_filter(1, enable=0), traffic, lambda batch: np.ones(1000, np.bool_)) == 1
 
 
-def test_a_token_every_clock_one_clock_later() -> None:
-    traffic = filter_traffic(np.random.default_rng(23), 1000, 32, 16)
-    _, times = polarity_filter(1).stream_timed(traffic, traffic.keep)
-    assert (np.diff(times.accepted) == 1).all()
-    assert (times.given - times.accepted == 1).all()
-
-
-def test_reset_empties_it() -> None:
-    device = polarity_filter(1)
-    device.set(s_valid=1, s_event=1)
-    for _ in range(2):  # s_ready rises a clock after reset
-        device.sim.clock.tick()
-    assert (device.sim.io.m_valid, device.sim.io.idle) == (1, 0)
-    device.set(s_valid=0)
-    device.reset()
-    assert (device.sim.io.m_valid, device.sim.io.idle) == (0, 1)
-
-
-@pytest.mark.parametrize("parameters", [{}, {"X_W": 1, "Y_W": 1, "TICK_W": 1}, {"X_W": 16, "Y_W": 16, "TICK_W": 32}])
-def test_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint("filter_polarity", **parameters) == (0, "")
-
-
-@pytest.mark.parametrize(("name", "most"), [("X_W", 16), ("Y_W", 16), ("TICK_W", 32)])
-def test_refuses_parameters_out_of_range(name: str, most: int) -> None:
-    for value in (0, most + 1):
-        code, log = lint("filter_polarity", **{name: value})
-        assert code != 0
-        assert f"{name}_must_be_1_to_{most}" in log
-
-
 NARROW = {"X_W": 5, "Y_W": 4, "TICK_W": 4}
 Region = tuple[int, int, int, int]
 
@@ -119,15 +88,25 @@ def test_random_regions_traffic_and_stalls_are_exact() -> None:
             compare_with_reference(device, traffic, wanted)
 
 
-def test_filter_region_a_token_every_clock_one_clock_later() -> None:
-    traffic = filter_traffic(np.random.default_rng(12), 1000, 32, 16)
-    _, times = region_filter((3, 17, 2, 9)).stream_timed(traffic, traffic.keep)
+BOTH = pytest.mark.parametrize("name", ["filter_polarity", "filter_region"])
+
+
+def open_filter(name: str) -> FilterDevice:
+    """A filter that keeps some of the traffic and the event at 0, 0 of polarity 0."""
+    return polarity_filter(0) if name == "filter_polarity" else region_filter((0, 17, 0, 9))
+
+
+@BOTH
+def test_a_token_every_clock_one_clock_later(name: str) -> None:
+    traffic = filter_traffic(np.random.default_rng(23), 1000, 32, 16)
+    _, times = open_filter(name).stream_timed(traffic, traffic.keep)
     assert (np.diff(times.accepted) == 1).all()
     assert (times.given - times.accepted == 1).all()
 
 
-def test_filter_region_reset_empties_it() -> None:
-    device = region_filter((0, 31, 0, 15))
+@BOTH
+def test_reset_empties_it(name: str) -> None:
+    device = open_filter(name)
     device.set(s_valid=1, s_event=1)
     for _ in range(2):  # s_ready rises a clock after reset
         device.sim.clock.tick()
@@ -137,14 +116,16 @@ def test_filter_region_reset_empties_it() -> None:
     assert (device.sim.io.m_valid, device.sim.io.idle) == (0, 1)
 
 
+@BOTH
 @pytest.mark.parametrize("parameters", [{}, {"X_W": 1, "Y_W": 1, "TICK_W": 1}, {"X_W": 16, "Y_W": 16, "TICK_W": 32}])
-def test_filter_region_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint("filter_region", **parameters) == (0, "")
+def test_lints_clean(name: str, parameters: dict[str, int]) -> None:
+    assert lint(name, **parameters) == (0, "")
 
 
-@pytest.mark.parametrize(("name", "most"), [("X_W", 16), ("Y_W", 16), ("TICK_W", 32)])
-def test_filter_region_refuses_parameters_out_of_range(name: str, most: int) -> None:
+@BOTH
+@pytest.mark.parametrize(("parameter", "most"), [("X_W", 16), ("Y_W", 16), ("TICK_W", 32)])
+def test_refuses_parameters_out_of_range(name: str, parameter: str, most: int) -> None:
     for value in (0, most + 1):
-        code, log = lint("filter_region", **{name: value})
+        code, log = lint(name, **{parameter: value})
         assert code != 0
-        assert f"{name}_must_be_1_to_{most}" in log
+        assert f"{parameter}_must_be_1_to_{most}" in log
