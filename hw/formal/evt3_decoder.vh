@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Words come as axis_words gives them: one that is not taken stays. What words have set so far is kept here anew, as the format has
+// it, and compared with what time_mark and event_vector are given; their own properties say what becomes of that.
+(* hierconn *) wire              \u_mark.set ;
+(* hierconn *) wire [MARK_W-1:0] \u_mark.mark ;
+(* hierconn *) wire              \u_events.s_valid ;
+(* hierconn *) wire [T_W-1:0]    \u_events.s_t ;
+(* hierconn *) wire [11:0]       \u_events.s_x ;
+(* hierconn *) wire [10:0]       \u_events.s_y ;
+(* hierconn *) wire              \u_events.s_p ;
+(* hierconn *) wire [11:0]       \u_events.s_mask ;
+(* hierconn *) wire              \u_events.s_known ;
+
+reg                f_was_stalled, f_has_row, f_has_base, f_p;
+reg [15:0]         f_was;
+reg [11:0]         f_low;
+reg [10:0]         f_row;
+reg [12:0]         f_base;  // 2048 and more: beyond every sensor
+reg [COUNT_W-1:0]  f_reserved;
+wire [3:0]  f_type   = word[15:12];
+wire        f_vector = f_type == 4'd4 || f_type == 4'd5;
+wire        f_event  = f_type == 4'd2 || f_vector;
+wire        f_in     = word_valid && word_ready;
+
+always @* assume (!f_was_stalled || (word_valid && word == f_was));
+
+always @(posedge clk) begin
+    f_was_stalled <= word_valid && !word_ready;
+    f_was <= word;
+    if (f_in && f_type == 4'd0) {f_has_row, f_row} <= {1'b1, word[10:0]};
+    if (f_in && f_type == 4'd1) f_has_row <= 1'b0;
+    if (f_in && f_type == 4'd3) {f_has_base, f_p, f_base} <= {1'b1, word[11], 2'b00, word[10:0]};
+    if (f_in && f_type == 4'd4 && f_base < 13'd2048) f_base <= f_base + 13'd12;
+    if (f_in && f_type == 4'd5 && f_base < 13'd2048) f_base <= f_base + 13'd8;
+    if (f_in && f_type == 4'd6) f_low <= word[11:0];
+    if (f_in && f_type == 4'd8 && (!timed || word[11:0] != high[11:0])) f_low <= 12'd0;
+    if (f_in && (f_type == 4'd1 || f_type == 4'd9 || f_type >= 4'd11 && f_type <= 4'd13)) f_reserved <= f_reserved + 1'b1;
+    if (rst) begin
+        {f_was_stalled, f_has_row, f_has_base} <= 3'b000;
+        f_low      <= 12'd0;
+        f_reserved <= {COUNT_W{1'b0}};
+    end
+end
+
+always @* if (f_past) begin
+    p_once:     assert (u_events.s_valid == (word_valid && f_event) && word_ready == (!f_event || events_ready));
+    p_mark:     assert (u_mark.set == (f_in && f_type == 4'd8) && (!u_mark.set || u_mark.mark == word[11:0]));
+    p_single:   assert (!(u_events.s_valid && f_type == 4'd2 && u_events.s_known)
+                        || (timed && f_has_row && u_events.s_t == {high, f_low} && u_events.s_x == {1'b0, word[10:0]}
+                            && u_events.s_y == f_row && u_events.s_p == word[11] && u_events.s_mask == 12'd1));
+    p_vector:   assert (!(u_events.s_valid && f_vector && u_events.s_known)
+                        || (timed && f_has_row && f_has_base && u_events.s_t == {high, f_low}
+                            && (f_base < 13'd2048 ? u_events.s_x == f_base[11:0] : u_events.s_x >= 12'd2048)
+                            && u_events.s_y == f_row && u_events.s_p == f_p
+                            && u_events.s_mask == (f_type == 4'd4 ? word[11:0] : {4'd0, word[7:0]})));
+    p_known:    assert (!u_events.s_valid || u_events.s_known == (timed && f_has_row && (f_has_base || f_type == 4'd2)));
+    p_reserved: assert (n_reserved == f_reserved);
+    i_set:      assert (low == f_low && row_known == f_has_row && base_known == f_has_base && (!f_has_row || row == f_row)
+                        && (!f_has_base || (base == f_base[11:0] && polarity == f_p && f_base < 13'd2060)));
+    c_once:     cover (f_was_stalled && f_in && f_vector);
+    c_mark:     cover (u_mark.set && timed && f_low != 12'd0);
+    c_single:   cover (f_in && f_type == 4'd2 && u_events.s_known && f_low != 12'd0);
+    c_vector:   cover (f_in && f_vector && u_events.s_known && f_base == 13'd2047 + 13'd12);
+    c_known:    cover (f_in && f_event && u_events.s_known);
+    c_reserved: cover (n_reserved == 2);
+end
