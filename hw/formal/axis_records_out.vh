@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Registers of packets stay, and a record that waits stays until the clock after s_rst. One beat is marked, f_beat of any record that is accepted,
+// with its place f_record in the memory. f_ahead counts the beats before it.
+(* anyconst *) wire [DATA_W-1:0]      f_word;
+(* anyconst *) wire [BEAT_W-1:0]      f_beat;
+(* anyconst *) wire [RECORD_NO_W-1:0] f_record;
+(* anyconst *) wire [15:0]            f_packet_records, f_packet_wait;
+(* anyseq *)   wire                   f_choose;
+
+localparam F_W = LEVEL_W + BEAT_W + 2;
+localparam [31:0] F_BEATS = BEATS, F_ALL = BEATS * DEPTH;
+
+reg                    f_waits, f_was_stalled, f_was_source, f_just_came, f_was_last;
+reg [F_W-1:0]          f_ahead, f_inside;
+reg [DATA_W-1:0]       f_was;
+reg [DATA_W/8-1:0]     f_was_keep;
+reg [BEATS*DATA_W-1:0] f_was_bytes;
+reg [BEAT_W-1:0]       f_beat_out;  // of the beat at the output, or the next there
+reg [15:0]             f_records;   // taken since the last tlast
+
+always @* assume (packet_records == f_packet_records && f_packet_records != 16'd0 && packet_wait == f_packet_wait);
+always @* assume (!f_was_source || (s_cm_valid && bytes == f_was_bytes));
+always @* assume ({{(32 - RECORD_NO_W) {1'b0}}, f_record} < DEPTH && {{(32 - BEAT_W) {1'b0}}, f_beat} < BEATS);
+
+wire f_in   = s_cm_valid && s_cm_ready;
+wire f_gone = m_axis_tvalid && m_axis_tready;
+wire f_mark = f_in && f_choose && !f_waits && to == f_record && bytes[f_beat*DATA_W +: DATA_W] == f_word;
+wire f_end  = f_beat_out == LAST[BEAT_W-1:0];
+wire [F_W-1:0] f_one  = {{(F_W - 1) {1'b0}}, 1'b1};
+wire [F_W-1:0] f_leaves = {{(F_W - 1) {1'b0}}, f_gone};
+
+always @(posedge clk) begin
+    f_was_stalled <= m_axis_tvalid && !m_axis_tready;
+    f_was         <= m_axis_tdata;
+    f_was_keep    <= m_axis_tkeep;
+    f_was_last    <= m_axis_tlast;
+    f_was_source  <= s_cm_valid && !s_cm_ready && !s_rst;
+    f_was_bytes   <= bytes;
+    f_just_came   <= f_in;
+    f_inside      <= f_inside + (f_in ? F_BEATS[F_W-1:0] : {F_W{1'b0}}) - f_leaves;
+    if (f_gone) begin
+        f_beat_out <= f_end ? {BEAT_W{1'b0}} : f_beat_out + 1'b1;
+        if (m_axis_tlast) f_records <= 16'd0;
+        else if (f_end) f_records <= f_records + 16'd1;
+    end
+    if (f_mark) begin
+        f_waits <= 1'b1;
+        f_ahead <= f_inside + {{(F_W - BEAT_W) {1'b0}}, f_beat} - f_leaves;
+    end else if (f_waits && f_gone) begin
+        f_ahead <= f_ahead - f_one;
+        if (f_ahead == {F_W{1'b0}}) f_waits <= 1'b0;
+    end
+    if (rst) begin
+        {f_waits, f_was_stalled, f_was_source, f_just_came} <= 4'b0000;
+        f_inside   <= {F_W{1'b0}};
+        f_beat_out <= {BEAT_W{1'b0}};
+        f_records  <= 16'd0;
+    end
+end
+
+(* hierconn *) wire [DATA_W-1:0] \u_memory.ram_reg ;
+(* hierconn *) wire [DATA_W-1:0] \u_memory.f_content ;
+(* hierconn *) wire [RECORD_NO_W+BEAT_W-1:0] \u_memory.f_address ;
+assign u_memory.f_address = {f_record, f_beat};
+
+function [F_W-1:0] f_place;  // of a beat, as they lie in a row
+    input [RECORD_NO_W-1:0] record;
+    input [BEAT_W-1:0]      beat;
+    f_place = {{(F_W - RECORD_NO_W) {1'b0}}, record} * F_BEATS[F_W-1:0] + {{(F_W - BEAT_W) {1'b0}}, beat};
+endfunction
+
+function [F_W-1:0] f_around;
+    input [F_W-1:0] sum;
+    f_around = (sum >= F_ALL[F_W-1:0]) ? sum - F_ALL[F_W-1:0] : sum;
+endfunction
+
+function [BEAT_W-1:0] f_after;
+    input [BEAT_W-1:0] beat;
+    input              on;
+    f_after = !on ? beat : (beat == LAST[BEAT_W-1:0]) ? {BEAT_W{1'b0}} : beat + 1'b1;
+endfunction
+
+wire [F_W-1:0] f_out      = {{(F_W - 1) {1'b0}}, out_valid};
+wire [F_W-1:0] f_outer    = f_out + {{(F_W - 1) {1'b0}}, ram_valid};  // beats behind the memory
+wire [F_W-1:0] f_stored   = {{(F_W - LEVEL_W) {1'b0}}, level} * F_BEATS[F_W-1:0];
+wire [F_W-1:0] f_unread   = f_stored - {{(F_W - BEAT_W) {1'b0}}, beat_out};
+wire           f_in_memory = f_waits && f_ahead >= f_outer;
+wire           f_on_its_way = write && write_to == {f_record, f_beat};
+wire [BEAT_W-1:0] f_ram_beat = f_after(f_beat_out, out_valid);
+
+always @* if (f_past) begin
+    p_order:   assert (!(f_waits && f_ahead == {F_W{1'b0}} && m_axis_tvalid) || m_axis_tdata == f_word);
+    p_all:     assert (f_inside == f_unread + f_outer && {{(32 - LEVEL_W) {1'b0}}, level} <= DEPTH);
+    p_ends:    assert (!m_axis_tvalid || (m_axis_tkeep == (f_end ? SOME : ALL) && (f_end || !m_axis_tlast)));
+    p_packet:  assert (!(m_axis_tvalid && f_end && !m_axis_tlast) || f_records + 16'd1 < packet_records);
+    p_stable:  assert (!f_was_stalled || (m_axis_tvalid && m_axis_tdata == f_was && m_axis_tkeep == f_was_keep
+                                          && m_axis_tlast == f_was_last));
+    i_word:    assert (!(f_waits && f_ahead == {F_W{1'b0}} && out_valid) || m_axis_tdata == f_word);
+    i_inside:  assert (!f_waits || f_ahead < f_inside);
+    i_beat:    assert (f_beat_out <= LAST[BEAT_W-1:0] && beat_in <= LAST[BEAT_W-1:0]);
+    i_out:     assert (!out_valid || out_last == f_end);
+    i_tlast:   assert (!(out_valid && tlast) || out_last);
+    i_holds:   assert (!holds || (out_valid && out_last && !tlast));
+    i_ram:     assert (!ram_valid || ram_last == (f_ram_beat == LAST[BEAT_W-1:0]));
+    i_read:    assert (beat_out == f_after(f_ram_beat, ram_valid));
+    i_level:   assert (level != {LEVEL_W{1'b0}} || beat_out == {BEAT_W{1'b0}});
+    i_to:      assert (f_around(f_place(from, {BEAT_W{1'b0}}) + f_stored) == f_place(to, {BEAT_W{1'b0}}));
+    i_ends:    assert ({{(32 - RECORD_NO_W) {1'b0}}, from} < DEPTH && {{(32 - RECORD_NO_W) {1'b0}}, to} < DEPTH);
+    i_where:   assert (!f_in_memory || f_around(f_place(from, beat_out) + f_ahead - f_outer) == f_place(f_record, f_beat));
+    i_just:    assert (!f_just_came || f_unread >= F_BEATS[F_W-1:0]);
+    i_write:   assert (!f_just_came || (write && write_to[BEAT_W-1:0] == LAST[BEAT_W-1:0]
+                                        && f_around(f_place(write_to[BEAT_W+:RECORD_NO_W], LAST[BEAT_W-1:0]) + f_one)
+                                           == f_place(to, {BEAT_W{1'b0}})));
+    i_memory:  assert (!f_in_memory || (f_on_its_way && f_just_came && f_beat == LAST[BEAT_W-1:0]
+                                        && f_ahead == f_inside - f_one ? write_data : u_memory.f_content) == f_word);
+    i_other:   assert (!write || f_just_came || (write_to[BEAT_W+:RECORD_NO_W] == to && {{(32 - LEVEL_W) {1'b0}}, level} != DEPTH));
+    i_partial: assert (!(f_was_source && to == f_record && f_beat < beat_in)
+                       || (f_on_its_way ? write_data : u_memory.f_content) == f_was_bytes[f_beat*DATA_W +: DATA_W]);
+    i_source:  assert (f_was_source || beat_in == {BEAT_W{1'b0}});
+    i_begun:   assert (beat_in == {BEAT_W{1'b0}} || {{(32 - LEVEL_W) {1'b0}}, level} != DEPTH);
+    i_ram_word: assert (!(f_waits && f_ahead == f_out && ram_valid) || u_memory.ram_reg == f_word);
+    i_records: assert (records == (!(out_valid && out_last) ? f_records : tlast ? 16'd0 : f_records + 16'd1)
+                       && records < packet_records && f_records < packet_records);
+    c_order:   cover (f_waits && f_ahead == {F_W{1'b0}} && m_axis_tvalid && f_was_stalled && f_beat == LAST[BEAT_W-1:0]);
+    c_all:     cover (f_inside > F_BEATS[F_W-1:0]);
+    c_ends:    cover (f_gone && m_axis_tlast);
+    c_packet:  cover (f_gone && f_end && !m_axis_tlast && f_records == 16'd1);
+    c_stable:  cover (f_was_stalled && m_axis_tready && f_was_last);
+end
