@@ -284,7 +284,7 @@ module array_update #(
         u_highest   <= {1'b0, radix_max} - {1'b0, radix_step};
         u_lowest    <= {1'b0, radix_min} + {1'b0, radix_step};
         u_nev_th    <= nev_th;
-        if (rst) {u_takes, u_special, u_report, u_clear, u_join, u_busy} <= 6'd0;
+        if (rst) {u_takes, u_last, u_special, u_report, u_clear, u_join, u_busy} <= 7'd0;
     end
 
     // ---- average and centre, from C to W ----------------------------------------------------------------------------

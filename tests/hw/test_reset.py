@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A reset of one clock, at any moment of busy traffic, leaves nothing behind in any tracker."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
+from evcot.hardware.contract import Mode, Shape
+from evcot_cosim.devices.device import Device
+from support.moving import QUICK
+from support.trials import bare_device
+
+SHAPE = Shape(n_slots=2, x_w=5, y_w=5, radix_w=4, nev_w=6, tc_w=12, sup_w=8, id_w=8, seq_w=16, time_w=24)
+EVERY_EVENT = SlotConfig(
+    mode=Mode.SEEDED, init_radix=2, radix_th=1, radix_step=1, radix_min=1, radix_max=4, hist_avg=1,
+    max_ticks=40, clust_nev=1, nev_min=1, nev_max=1, nev_th=0, detect_ticks=40,
+)  # fmt: skip
+OUTPUTS = ("m_cm", "m_own", "m_pass")
+
+
+def device_of(module: str) -> Device:
+    if module == "cot_motion":
+        return bare_device(MotionConfig(replace(SHAPE, time_w=32), QUICK))
+    return bare_device(CotConfig(SHAPE, (EVERY_EVENT,) * SHAPE.n_slots, module=module))
+
+
+def run(device: Device, clocks: int, rng: np.random.Generator) -> None:
+    """Two places from which events come at almost every clock, while the outputs stall now and then."""
+    io = device.sim.io
+    for _ in range(clocks):
+        for output in OUTPUTS:
+            setattr(io, f"{output}_ready", int(rng.random() < 0.8))
+        io.s_valid, io.s_event, io.s_tick = int(rng.random() < 0.9), 1, int(rng.integers(4))
+        io.s_x, io.s_y = (int(place + rng.integers(-1, 2)) for place in rng.choice([8, 22], 2))
+        device.sim.clock.tick()
+
+
+@pytest.mark.parametrize("module", ["cot_array", "cot_chain", "cot_motion"])
+def test_after_a_reset_of_one_clock_nothing_comes_out(module: str) -> None:
+    print("seed 12")
+    rng = np.random.default_rng(12)
+    for _ in range(150):
+        device = device_of(module)
+        run(device, int(rng.integers(40, 100)), rng)
+        io = device.sim.io
+        io.rst = 1
+        device.sim.clock.tick()
+        io.rst, io.s_valid = 0, 0
+        for output in OUTPUTS:
+            setattr(io, f"{output}_ready", 1)
+        for _ in range(60):
+            assert [output for output in OUTPUTS if getattr(io, f"{output}_valid")] == []
+            device.sim.clock.tick()
