@@ -464,13 +464,23 @@ def tables(modules: list[Module], outcomes: list[Outcome]) -> str:
     return "\n".join([*tasks, "", *rows, ""])
 
 
+def updated(page: str, text: str, names: set[str]) -> str:
+    """The tables of the page with the rows of these modules replaced by those of `text`, modules in order of their names."""
+    both = []
+    for old, new in zip(page.strip().split("\n\n"), text.strip().split("\n\n"), strict=True):
+        kept = [row for row in old.splitlines()[2:] if row.split("`")[1] not in names]
+        head, rows = new.splitlines()[:2], new.splitlines()[2:]
+        both.append("\n".join([*head, *sorted(kept + rows, key=lambda row: row.split("`")[1])]))
+    return "\n\n".join(both) + "\n"
+
+
 def main() -> int:
     """Run what the command line asks for; the exit code is 1 if anything is not as it should be."""
     parser = argparse.ArgumentParser(description="prove the properties of hw/formal", allow_abbrev=False)
     parser.add_argument("modules", nargs="*", help="modules whose properties are proven (default: all)")
     parser.add_argument("--quick", action="store_true", help="only tasks that are marked as quick")
     parser.add_argument("--trace", action="store_true", help="print the registers along each counterexample")
-    parser.add_argument("--write", action="store_true", help="write the table into docs/verification.md")
+    parser.add_argument("--write", action="store_true", help="write the modules' rows into docs/verification.md")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: one for each core)")
     asked = parser.parse_args()
 
@@ -492,9 +502,10 @@ def main() -> int:
     text = tables(modules, outcomes)
     wrong = sum(bool(outcome.wrong) for outcome in outcomes)
     print(f"\n{text}\n{len(todo)} runs, {wrong} wrong, in {time.monotonic() - begin:.0f} s")
-    if asked.write and not wrong and not asked.quick and not asked.modules:
+    if asked.write and not wrong and not asked.quick:
         before, rest = PAGE.read_text().split(BEGIN)
-        PAGE.write_text(before + BEGIN + text + END + rest.split(END)[1])
+        page, after = rest.split(END)
+        PAGE.write_text(before + BEGIN + updated(page, text, {module.name for module in modules}) + END + after)
     return int(wrong > 0)
 
 
