@@ -380,6 +380,8 @@ def _render(runs, shapes, lights, edges, areas, ways, ids, hides, values, part):
             else:
                 if shapes[0, i, KIND] == DISC:
                     _cover_by_disc(edges[i, 0], ways[i, 0, 0, 0] == 0.0, x, y, part)
+                elif _stays_outside(edges[i], ways[i], row, x, y):
+                    continue
                 else:
                     _cover_by_quadrangle(edges[i], ways[i], row, x, y, part)
                 _blend(part, lights[i], areas[i], x, y, values[k])
@@ -423,6 +425,16 @@ def _stays_within(edges, ways, edge, row, x, y):  # type: ignore[no-untyped-def]
     """Whether a pixel is within an edge of a quadrangle as a whole at every time."""
     here = edges[edge, 0, 0] * x + edges[edge, 1, 0] * y + edges[edge, 2, 0]
     return here - _between(ways, edge, row)[0] >= 0.5 + MARGIN
+
+
+@step
+def _stays_outside(edges, ways, row, x, y):  # type: ignore[no-untyped-def]
+    """Whether a pixel is outside an edge of a quadrangle as a whole at every time."""
+    for edge in range(4):
+        here = edges[edge, 0, 0] * x + edges[edge, 1, 0] * y + edges[edge, 2, 0]
+        if here + _between(ways, edge, row)[1] <= -0.5 - MARGIN:
+            return True
+    return False
 
 
 @step

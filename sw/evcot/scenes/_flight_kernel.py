@@ -8,7 +8,7 @@ import numpy as np
 from .._numba_private import njit
 from .shapes import INTENSITY, X, Y
 
-__all__ = ["bounce", "insects_at", "phases"]
+__all__ = ["bounce", "insects_at"]
 
 
 @njit(cache=True, nogil=True)
@@ -36,35 +36,28 @@ def bounce(times_s, turns_s, starts, speeds, room, low):  # type: ignore[no-unty
 
 
 @njit(cache=True, nogil=True)
-def phases(times_s, turns, starts):  # type: ignore[no-untyped-def]
-    """(k, n) angles at k times of n waves of angular frequencies `turns` and first angles `starts`."""
-    angles = np.empty((len(times_s), len(turns)))
-    for k in range(len(times_s)):
-        for i in range(len(turns)):
-            angles[k, i] = turns[i] * times_s[k] + starts[i]
-    return angles
-
-
-@njit(cache=True, nogil=True)
-def insects_at(times_s, still, lights, wave, tip_x, wave_px, flight):  # type: ignore[no-untyped-def]
+def insects_at(times_s, still, wave, contrast, tip_x, wave_px, flight):  # type: ignore[no-untyped-def]
     """The shapes of `insects` at k times, (k, n, columns).
 
     Args:
         still: (n, columns) glints, blades and insects, with what never changes.
-        lights: (k, glints) intensities.
-        wave: (k, glints + blades), of which those of the blades move the middles of their upper ends, `tip_x`, by `wave_px`.
+        wave: (2, glints + blades) angular frequency and first angle of the sine of each: that of a glint is its log intensity,
+            up to `contrast` each way; that of a blade moves the middle of its upper end, `tip_x`, by `wave_px` each way.
         flight: the arguments of `bounce` but the times.
     """
     places, _ = bounce(times_s, *flight)
     shapes = np.empty((len(times_s), *still.shape))
-    blades, insects = lights.shape[1], wave.shape[1]
+    insects = wave.shape[1]
+    blades = insects - len(tip_x)
     for k in range(len(shapes)):
         shapes[k] = still
-        for i in range(blades):
-            shapes[k, i, INTENSITY] = lights[k, i]
-        for i in range(blades, insects):
-            tip = tip_x[i - blades] + wave_px * wave[k, i]
-            shapes[k, i, X + 2], shapes[k, i, X + 3] = tip + 0.5, tip - 0.5
+        for i in range(insects):
+            height = np.sin(wave[0, i] * times_s[k] + wave[1, i])
+            if i < blades:
+                shapes[k, i, INTENSITY] = np.exp(contrast * (1 + height))
+            else:
+                tip = tip_x[i - blades] + wave_px * height
+                shapes[k, i, X + 2], shapes[k, i, X + 3] = tip + 0.5, tip - 0.5
         for i in range(places.shape[2]):
             shapes[k, insects + i, X], shapes[k, insects + i, Y] = places[0, k, i], places[1, k, i]
     return shapes

@@ -8,7 +8,7 @@ import numpy as np
 from .._numba_private import njit
 from .shapes import COLUMNS, INTENSITY, KIND, OBJECT, QUADRANGLE, X, Y
 
-__all__ = ["MARGIN_PX", "motion_at", "project", "project_each"]
+__all__ = ["MARGIN_PX", "meet", "motion_at", "project", "project_each"]
 
 _LEAST_M = 2.0  # minimum distance for projection
 MARGIN_PX = 4.0  # distance outside the sensor at which a vehicle is created
@@ -34,6 +34,22 @@ def motion_at(stretches, changes, across_m, t_s):  # type: ignore[no-untyped-def
         now[i, 1] = along_m + elapsed_s * (speed_m_s + elapsed_s * acceleration / 2)
         now[i, 3] = speed_m_s + elapsed_s * acceleration
     return now
+
+
+@njit(cache=True, nogil=True)
+def meet(times_s, motions, half_m, length_m, gap_m):  # type: ignore[no-untyped-def]
+    """Whether the first vehicle is, at any of some times, nearer to another than `gap_m` along the road, and a tenth of it
+    across. `motions`: the arguments of `motion_at` but the time."""
+    stretches, changes, across_m = motions
+    for t_s in times_s:
+        now = motion_at(stretches, changes, across_m, t_s)
+        for i in range(1, len(now)):
+            beside = abs(now[i, 0] - now[0, 0]) < half_m[i] + half_m[0] + gap_m / 10
+            behind = now[i, 1] + length_m[i] + gap_m < now[0, 1]
+            ahead = now[0, 1] + length_m[0] + gap_m < now[i, 1]
+            if beside and not behind and not ahead:
+                return True
+    return False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -106,7 +122,8 @@ def project_each(  # type: ignore[no-untyped-def]
     stretches, changes, across_m = motions
     faces = corners_m.shape[1]
     ends, n = np.empty(len(times_s), np.int64), 0
-    seen, boxes, shapes = np.empty(256, np.int64), np.empty((256, 6)), np.empty((256, faces, COLUMNS))
+    most = 16 * len(times_s)
+    seen, boxes, shapes = np.empty(most, np.int64), np.empty((most, 6)), np.empty((most, faces, COLUMNS))
     for i in range(len(times_s)):
         now_m = motion_at(stretches, changes, across_m, times_s[i])
         its, x, y, its_boxes = project(now_m, size_m, corners_m, focal, vanishing, camera_m, road_m, sensor, first_face)

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from .._numba_private import njit, step
-from ._logarithm import logarithm
+from ._logarithm import exponential, logarithm
 from ._order import KEY_T_SHIFT
 
 __all__ = [
@@ -188,7 +188,7 @@ def quiet_bounds(states, y, x, linear):  # type: ignore[no-untyped-def]
     memory = states[y, x, _MEMORY]
     low, high = memory - states[y, x, _OFF] * _ROUNDING, memory + states[y, x, _ON] * _ROUNDING
     if linear:
-        return max(np.exp(low) * (1 + _STRICTER[0]), _LIGHT_MIN), min(np.exp(high) * (1 - _STRICTER[0]), _LIGHT_MAX)
+        return max(exponential(low) * (1 + _STRICTER[0]), _LIGHT_MIN), min(exponential(high) * (1 - _STRICTER[0]), _LIGHT_MAX)
     return max(low, -LOG_INTENSITY_MAX) + _STRICTER[1], min(high, LOG_INTENSITY_MAX) - _STRICTER[1]
 
 

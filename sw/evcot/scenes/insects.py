@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ranges import Range
-from ._flight_kernel import bounce, insects_at, phases
+from ._flight_kernel import bounce, insects_at
 from .scene import Scene
 from .shapes import discs, quadrangles
 from .stage import StageSettings, SteadyStage, film, texture
@@ -72,7 +72,7 @@ class _Stage(SteadyStage):
         self._glint_x, self._glint_y = random.uniform(0, 1, (2, settings.glints)) * [[settings.width], [settings.height / 2]]
         glint_turn = 2 * np.pi * random.uniform(*_GLINT_HZ, settings.glints)
         glint_phase = random.uniform(0, 2 * np.pi, settings.glints)
-        self._turn, self._phase = np.append(glint_turn, self._wave_turn), np.append(glint_phase, self._wave_phase)
+        self._wave = np.stack((np.append(glint_turn, self._wave_turn), np.append(glint_phase, self._wave_phase)))
         self._still = self._stand(settings)
 
     def _fly(self, settings: Insects, random: np.random.Generator) -> None:
@@ -114,13 +114,10 @@ class _Stage(SteadyStage):
 
     def shapes(self, t_us: float | NDArray[np.int64]) -> NDArray[np.float64]:
         times_s = np.array(t_us, np.float64, ndmin=1) * 1e-6
-        wave = phases(times_s, self._turn, self._phase)
-        np.sin(wave, wave)
-        lights = np.exp(_GLINT_CONTRAST * (1 + wave[:, : self._settings.glints]))
         shapes: NDArray[np.float64] = insects_at(
-            times_s, self._still, lights, wave, self._tip_x, self._settings.wave_px, self._flight
+            times_s, self._still, self._wave, _GLINT_CONTRAST, self._tip_x, self._settings.wave_px, self._flight
         )
-        return shapes if np.ndim(t_us) else shapes[0]
+        return shapes if isinstance(t_us, np.ndarray) else shapes[0]
 
     def grass_reach(self) -> NDArray[np.float64]:
         """See `grass`."""

@@ -136,7 +136,8 @@ def film(stage: Stage, settings: StageSettings) -> Scene:
     def develop() -> None:
         """Append the events of the batch, of which only the last frame then remains."""
         if len(batch) > 1:
-            keys = camera.keys_of_shapes(np.stack(batch), np.array(times_us), canvas.background)
+            shapes = np.concatenate(batch).reshape(len(batch), *batch[0].shape)
+            keys = camera.keys_of_shapes(shapes, np.array(times_us), canvas.background)
             blocks.append(keys + (times_us[0] << KEY_T_SHIFT))
             del batch[:-1], times_us[:-1]
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._highway_kernel import motion_at
+from ._highway_kernel import meet, motion_at
 
 __all__ = [
     "LEFT_M",
@@ -172,13 +172,6 @@ def _passer_by(entry_s: float, speed_m_s: float, lorry_share: float, near_m: flo
 
 def meets(vehicle: Vehicle, others: Sequence[Vehicle], from_s: float, to_s: float) -> bool:
     """Whether a vehicle gets too close to one of the others."""
-    both = Traffic([vehicle, *others])
-    half_m, length_m = both.width_m / 2, both.length_m
-    for t_s in np.arange(from_s, to_s, _CHECK_S).tolist():
-        now = both.at(t_s)
-        beside = abs(now.across_m[1:] - now.across_m[0]) < half_m[1:] + half_m[0] + _GAP_M / 10
-        behind = now.along_m[1:] + length_m[1:] + _GAP_M < now.along_m[0]
-        ahead = now.along_m[0] + length_m[0] + _GAP_M < now.along_m[1:]
-        if (beside & ~behind & ~ahead).any():
-            return True
-    return False
+    all_of_them = Traffic([vehicle, *others])
+    times_s = np.arange(from_s, to_s, _CHECK_S)
+    return bool(meet(times_s, all_of_them.motions, all_of_them.width_m / 2, all_of_them.length_m, _GAP_M))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.scenes import discs, highway, insects, pendulum, shake
+from evcot.scenes._logarithm import exponential
 from evcot.scenes._order import KEY_T_SHIFT
 from evcot.scenes._pixel_kernel import levels_of
 from evcot.scenes._render_kernel import bounds, displacement, draw
@@ -147,6 +148,12 @@ def test_logarithms_are_right_to_an_ulp() -> None:
     values = np.exp(np.concatenate((np.random.default_rng(1).uniform(-80, 80, 9_000), np.linspace(-1e-3, 1e-3, 1_001))))
     found = levels_of(values[None], True)[0]
     assert (abs(found - np.log(values)) <= np.spacing(abs(np.log(values)))).all()
+
+
+def test_the_exponential_of_the_quiet_bounds_is_right_to_1e_8() -> None:
+    values = np.concatenate((np.random.default_rng(1).uniform(-200, 200, 9_000), np.linspace(-1, 1, 1_001)))
+    found = np.array([exponential.py_func(value) for value in values])
+    assert (abs(found / np.exp(values) - 1) < 1e-8).all()
 
 
 def of_object(samples: NDArray[np.void], number: int) -> NDArray[np.void]:
