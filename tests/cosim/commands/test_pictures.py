@@ -81,6 +81,19 @@ def test_a_film_of_a_part(folder: Path, discs: Recording, capsys: pytest.Capture
         assert len(np.unique(np.asarray(gif.convert("RGB")).reshape(-1, 3), axis=0)) > 5
 
 
+@pytest.mark.parametrize("source", ["discs.npz log.npz", "run"])
+def test_a_film_of_a_part_begins_with_the_events_before_it(folder: Path, source: str) -> None:
+    """Without them, its first picture is almost black."""
+    for name, more in (("whole", ""), ("part", "--from 100 --to 200")):
+        assert main(["render", *source.split(), "-o", f"{name}.gif", "--fps", "10", "-q", *more.split()]) == 0
+    with Image.open("whole.gif") as whole, Image.open("part.gif") as part:
+        whole.seek(1)  # at 100 ms
+        pictures = [np.asarray(gif.convert("RGB")).astype(int)[:400] for gif in (whole, part)]  # below is the time
+    green = [np.count_nonzero((picture[..., 1] > 100) & (picture[..., 0] < 80)) for picture in pictures]
+    assert green[0] > 500
+    assert green[1] == pytest.approx(green[0], rel=0.02)
+
+
 def test_a_film_of_a_run(folder: Path) -> None:
     assert main(["render", "run", "-o", "a.gif", "--fps", "10", "-q"]) == 0
     assert main(["render", "run", "software", "-o", "b.gif", "--fps", "10", "-q"]) == 0

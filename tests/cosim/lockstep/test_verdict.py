@@ -70,9 +70,9 @@ def test_a_good_run_is_good_in_every_line(monkeypatch: pytest.MonkeyPatch) -> No
         ({"short": 6, "noise_tracks": 6}, "tracks", Grade.POOR, "clusters on noise: drop events without a recent neighbour"),
         ({"owned_fraction": 0.6}, "events", Grade.FAIR, "clust_nev in run.toml below 5"),
         ({"owned_fraction": 0.4}, "events", Grade.POOR, "clust_nev in run.toml below 5"),
-        ({"noise_time_fraction": 0.2, "noise_tracks": 1}, "noise", Grade.FAIR, "`--activity 5`"),
-        ({"noise_time_fraction": 0.4, "isolated_dropped_fraction": 0.0}, "noise", Grade.POOR, "`--activity 5`"),
-        ({"noise_tracks": 4}, "noise", Grade.FAIR, "`--activity 5`"),
+        ({"noise_time_fraction": 0.2, "noise_tracks": 1}, "noise", Grade.FAIR, "`--activity 20`"),
+        ({"noise_time_fraction": 0.4, "isolated_dropped_fraction": 0.0}, "noise", Grade.POOR, "`--activity 20`"),
+        ({"noise_tracks": 4}, "noise", Grade.FAIR, "`--activity 20`"),
     ],
 )  # fmt: skip
 def test_a_figure_beyond_its_limit_has_its_grade_and_its_advice(
@@ -229,7 +229,8 @@ def test_a_truth_says_nothing_about_a_side_without_scores(monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize(
-    ("window_us", "advice"), [(0, "`--activity 5`"), (40_000, "`--activity 5`"), (5_000, "`--activity-support 2`")]
+    ("window_us", "advice"),
+    [(0, "`--activity 20`"), (40_000, "`--activity 20`"), (2_500, "`--activity 2.5 --activity-support 2`")],
 )
 def test_noise_is_filtered_harder_than_it_is(monkeypatch: pytest.MonkeyPatch, window_us: int, advice: str) -> None:
     config = SUMMARY["config"] | {"filters": {"activity_us": window_us}}  # type: ignore[operator]

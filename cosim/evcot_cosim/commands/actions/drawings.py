@@ -15,6 +15,7 @@ from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.films import Look, render, side_of
 from evcot.pictures.films.film import check_suffix, picture_times
+from evcot.pictures.films.look import RERUN
 from evcot.pictures.plots import Log, Material, density, plot
 from evcot.pictures.style import COLUMN_MM
 from evcot.recordings.formats.source import Sensor
@@ -35,7 +36,7 @@ __all__ = ["draw", "film"]
 def draw(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Draw a figure; 0."""
     with _tracked_from(options) as tracked:
-        counts, _, last_us = density(tracked.blocks(), tracked.sensor)
+        counts, _, last_us = density(tracked.blocks(0), tracked.sensor)
         material = Material(counts, tracked.logs, tracked.from_us, last_us, tracked.first_us)
         width_mm = COLUMN_MM[options.columns] if options.width is None else options.width
         kinds = tuple(kind.strip() for kind in options.kind.split(","))
@@ -53,7 +54,7 @@ def film(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     check_suffix(options.output)
     begin_s = time.perf_counter()
     with _tracked_from(options) as tracked:
-        last_us = max(int(block.t_us[-1]) for block in tracked.blocks() if len(block))
+        last_us = max(int(block.t_us[-1]) for block in tracked.blocks(0) if len(block))
         window = tracked.from_us, last_us
         total = len(picture_times(window, look))
         sides = [side_of(place, log.name, log.log) for place, log in enumerate(tracked.logs)]
@@ -63,7 +64,8 @@ def film(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
                 rate = pictures / (time.perf_counter() - begin_s)
                 progress.advance(pictures, f"{t_us / 1e6:.3f} s shown, {rate:.0f} pictures/s")
 
-            render(tracked.blocks(), tracked.sensor, sides, options.output, window, look, told, force=options.force)
+            before_us = 0 if options.output.suffix.lower() == RERUN else look.fade_us
+            render(tracked.blocks(before_us), tracked.sensor, sides, options.output, window, look, told, force=options.force)
     took_s = time.perf_counter() - begin_s
     if options.json:
         print(json.dumps({"file": str(options.output), "pictures": total, "seconds": took_s}))
@@ -77,7 +79,7 @@ class _Tracked:
     """A recording that was tracked.
 
     Attributes:
-        blocks: the events of the window, in blocks; every call gives them again.
+        blocks: the events of the window, and of so many us before it, in blocks; every call gives them again.
         first_us: time of the recording's first event.
         from_us: where the window begins, on the recording's clock.
         logs: one or more, of the whole recording.
@@ -85,7 +87,7 @@ class _Tracked:
 
     name: str
     sensor: Sensor
-    blocks: Callable[[], Iterator[Events]]
+    blocks: Callable[[int], Iterator[Events]]
     first_us: int
     from_us: int
     logs: tuple[Log, ...]
@@ -111,9 +113,11 @@ def _tracked_from(options: argparse.Namespace) -> Iterator[_Tracked]:
             if window != (0, None):  # the log may be of this part alone
                 extents.append(Extent.of(file.blocks(*window, required=True)))
             _check(options.logs, logs, str(options.source), extents)
-            yield _Tracked(
-                file.name, file.sensor, lambda: file.blocks(*window, required=True), first_us, first_us + window[0], logs
-            )
+
+            def blocks(before_us: int) -> Iterator[Events]:
+                return file.blocks(*_earlier(window, before_us), required=True)
+
+            yield _Tracked(file.name, file.sensor, blocks, first_us, first_us + window[0], logs)
         return
     for log in options.logs:
         if log not in RUN_LOGS:
@@ -123,13 +127,22 @@ def _tracked_from(options: argparse.Namespace) -> Iterator[_Tracked]:
         raise ConfigError(f"{run}: has no table [run]: must be written by `evcot cosim`")
     recording, name = described.source.read(), described.source.name
     described.check(run, recording.events)
-    part = recording.window(*window)
+    recording.window(*window)  # must have events
     first_us = int(recording.events.t_us[0])
     paths = [log_of_run(options.source, log) for log in options.logs or RUN_DEFAULT]
     logs = _named(paths)
     summary = read_summary(options.source / SUMMARY) if (options.source / SUMMARY).is_file() else {}
     _check(paths, logs, described.source.recording, [run_extent(recording.events, [log.log for log in logs], summary)])
-    yield _Tracked(name, (part.width, part.height), lambda: iter([part.events]), first_us, first_us + window[0], logs)
+    sensor = recording.width, recording.height
+
+    def events(before_us: int) -> Iterator[Events]:
+        return iter([recording.window(*_earlier(window, before_us)).events])
+
+    yield _Tracked(name, sensor, events, first_us, first_us + window[0], logs)
+
+
+def _earlier(window: tuple[int, int | None], before_us: int) -> tuple[int, int | None]:
+    return max(0, window[0] - before_us), window[1]
 
 
 def _check(paths: Sequence[Path | str], logs: tuple[Log, ...], recording: str, extents: Sequence[Extent]) -> None:

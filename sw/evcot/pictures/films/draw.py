@@ -20,6 +20,7 @@ from ...recordings.formats.source import Sensor
 from ...tracks.boxes import box_corners
 from ...tracks.log import TrackLog
 from ...tracks.timeline import sample
+from .look import FADE_CONSTANTS
 
 __all__ = [
     "EVENTS",
@@ -68,7 +69,6 @@ def palette() -> NDArray[np.uint8]:
 
 
 _LEVELS = 256
-_CUT = 5.0  # time constants after which an event is invisible
 _NEVER = np.iinfo(np.int64).min // 2
 
 
@@ -85,7 +85,7 @@ class Surface:
         self._decay_us = decay_us
         self._t_us = np.full((height, width), _NEVER, np.int64)
         self._p = np.zeros((height, width), np.uint8)
-        cover = np.exp(-_CUT * np.arange(_LEVELS + 1) / _LEVELS)
+        cover = np.exp(-FADE_CONSTANTS * np.arange(_LEVELS + 1) / _LEVELS)
         cover[-1] = 0
         self._table = np.array([shades(rgb, cover) for rgb in EVENTS])
 
@@ -96,7 +96,7 @@ class Surface:
     def picture(self, now_us: int) -> NDArray[np.uint8]:
         """(height, width, 3): the image at a time."""
         image = np.empty((*self._t_us.shape, 3), np.uint8)
-        _paint(self._t_us, self._p, now_us, _LEVELS / (_CUT * self._decay_us), self._table, image)
+        _paint(self._t_us, self._p, now_us, _LEVELS / (FADE_CONSTANTS * self._decay_us), self._table, image)
         return image
 
 

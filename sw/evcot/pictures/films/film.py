@@ -32,7 +32,7 @@ def render(
     """Write a film in the format of the path's suffix, one of `SUFFIXES`, and return its number of pictures.
 
     Args:
-        blocks: the events of the window, in order.
+        blocks: the events of the window, in order. Events before the window fade in its first pictures.
         window: times of the first and the last event.
         force: replace an existing file.
 

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ...errors import ConfigError
 
-__all__ = ["GIF", "MP4", "RERUN", "SUFFIXES", "Look"]
+__all__ = ["FADE_CONSTANTS", "GIF", "MP4", "RERUN", "SUFFIXES", "Look"]
 
 MP4, GIF, RERUN = SUFFIXES = (".mp4", ".gif", ".rrd")
+
+FADE_CONSTANTS = 5.0
+"""Time constants after which an event is invisible."""
 
 _RANGES = {"speed": (1e-4, 1e3), "fps": (1.0, 100.0), "decay_ms": (1e-3, 1e5), "width_px": (64, 4096)}
 
@@ -32,6 +36,11 @@ class Look:
     fps: float = 30.0
     decay_ms: float = 30.0
     width_px: int = 640
+
+    @property
+    def fade_us(self) -> int:
+        """Time of the recording after which an event is invisible."""
+        return math.ceil(FADE_CONSTANTS * self.decay_ms * 1e3 * self.speed)
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():
