@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Progress of a run on a terminal, and the length of a recording, counted in the background. Nothing is printed in pipes."""
+"""Progress of a run on a terminal, and the length of a recording, counted in the background. A pipe sees only builds."""
 
 from __future__ import annotations
 
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -20,7 +21,7 @@ __all__ = ["Length", "Progress", "counted_ahead"]
 
 
 class Progress:
-    """A progress bar on standard error, shown only on a terminal.
+    """A progress bar on standard error, shown only on a terminal; in a pipe a line where a build begins.
 
     Args:
         title: what is being run.
@@ -30,6 +31,7 @@ class Progress:
 
     def __init__(self, title: str, events: int | None, *, enabled: bool = True) -> None:
         console = Console(stderr=True)
+        self._piped = enabled and not console.is_terminal
         self._bars = Bars(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -61,7 +63,10 @@ class Progress:
 
     def building(self) -> None:
         """A build begins."""
-        self.note("compiling the hardware (10 to 60 s, once for each shape; kept in the cache)")
+        text = "compiling the hardware (10 to 60 s, once for each shape; kept in the cache)"
+        self.note(text)
+        if self._piped:
+            print(f"evcot: {text}", file=sys.stderr, flush=True)
 
     def update(self, events: int, t_us: int, events_per_s: float) -> None:
         """So many events are done, up to this time of the recording."""
