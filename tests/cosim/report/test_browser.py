@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.report import Material, Side, write_report
+from evcot_cosim.report.part_pages import write_overview
 from support.texts import hard_to_read, texts_of
 
 from .conftest import Opened, material_of, summary_of
@@ -444,6 +445,63 @@ def test_a_hostile_name_does_nothing(browser: Any, material: Material, tmp_path:
     assert opened.page.locator("h1").inner_text() == HOSTILE
     assert opened.complaints == []
     opened.context.close()
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped"])
+def test_a_damaged_page_shows_one_sentence_and_nothing_else(browser: Any, report: Path, tmp_path: Path, damage: str) -> None:
+    text = report.read_text()
+    columns = text.index('id="columns"')
+    cut = text[: columns + 10_000]
+    (tmp_path / "report.html").write_text(cut if damage == "cut" else f"{cut}{'A' * 40}{text[columns + 10_040 :]}")
+    page = browser.new_page()
+    page.goto(f"file://{tmp_path / 'report.html'}")
+    if damage == "cut":  # there is no script that could say so
+        page.wait_for_timeout(200)
+        assert not page.locator("#broken").is_visible(), "a page that loads is no broken one"
+        page.evaluate("() => document.getAnimations().forEach((one) => one.finish())")
+    page.locator("#broken").wait_for()
+    says = {"cut": "the file is incomplete, or the browser runs no scripts.", "flipped": "the file is damaged ("}
+    assert page.locator("#broken").inner_text().startswith(f"This page cannot be shown: {says[damage]}")
+    on_top = "() => document.elementFromPoint(innerWidth / 2, innerHeight - 20).id"
+    assert page.evaluate(on_top) == "broken"
+    page.close()
+
+
+def test_an_overview_names_a_page_that_is_not_beside_it(browser: Any, report: Path, tmp_path: Path) -> None:
+    (tmp_path / "part-00000.html").write_bytes(report.read_bytes())
+    parts = [
+        {
+            "page": f"part-0000{i}.html",
+            "from_us": 10 * i,
+            "to_us": 10 * i + 10,
+            "events": 5,
+            "grade": "good",
+            "alive_hardware": 1.0,
+        }
+        for i in range(2)
+    ]
+    verdict = {"grade": "good", "headline": "The tracks look sound.", "lines": [], "figures": {}}
+    sensor = {"width": 346, "height": 260}
+    write_overview(
+        summary_of(parts=parts, verdict=verdict, events=10, recording_s=1.0, sensor=sensor), tmp_path / "report.html"
+    )
+    page = browser.new_page()
+    page.clock.install()
+    page.goto(f"file://{tmp_path / 'report.html'}")
+    page.frame_locator("iframe").locator("html[data-ready]").wait_for()
+    page.clock.run_for(6_000)
+    assert page.locator("iframe").is_visible()
+    page.get_by_role("button", name="Later").click()
+    page.wait_for_timeout(300)
+    page.clock.run_for(6_000)
+    assert page.locator("#lost").inner_text() == (
+        "part-00001.html cannot be shown: it must be beside this page, whole, as evcot wrote it."
+    )
+    assert not page.locator("iframe").is_visible()
+    page.get_by_role("button", name="Earlier").click()
+    page.frame_locator("iframe").locator("html[data-ready]").wait_for()
+    assert not page.locator("#lost").is_visible()
+    page.close()
 
 
 def test_a_mismatch_leads_and_is_where_the_playback_stands(browser: Any, material: Material, tmp_path: Path) -> None:

@@ -315,11 +315,11 @@ async function start() {
   new ResizeObserver(layOut).observe(stage.canvas);
   goToAddress(location.hash);
   document.documentElement.dataset.ready = "true";
+  if (parent !== window) parent.postMessage("evcot-ready", "*"); // to the overview of a long run
   window.report = { clock, axis, stage, sides, objects, recording, steps, timeline, selected: () => selected, draw };
 }
 
 start().catch((error) => {
-  $("#said").classList.remove("hidden");
-  $("#said").textContent = `The page cannot be shown: ${error.message}`;
-  throw error;
+  document.documentElement.dataset.broken = "true";
+  $("#broken").textContent = `This page cannot be shown: the file is damaged (${error.message}).`;
 });

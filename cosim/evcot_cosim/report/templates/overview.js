@@ -4,6 +4,7 @@
 const { parts, sides } = JSON.parse(document.getElementById("facts").textContent);
 const number = document.getElementById("number");
 const frame = document.querySelector("iframe.part");
+const lost = document.getElementById("lost");
 const WIDTH = 1000;
 const HEIGHT = 64;
 const CURVES = {
@@ -11,6 +12,7 @@ const CURVES = {
   alive: sides.map((side) => [side.look, (part) => part[`alive_${side.name}`]]),
   paired: [["plain", (part) => part.paired_fraction]],
 };
+const READY_MS = 5000; // a page that does not say within so long after it has loaded that it is ready is missing or damaged
 const end = Math.max(parts[parts.length - 1].to_us, 1);
 
 function at(us) {
@@ -41,10 +43,36 @@ function draw(strip) {
   });
 }
 
+let [timer, ready] = [0, false];
+
+function showPage(page) {
+  clearTimeout(timer);
+  ready = false;
+  lost.textContent = `${page} cannot be shown: it must be beside this page, whole, as evcot wrote it.`;
+  showLost(false);
+  frame.src = page;
+}
+
+function showLost(isLost) {
+  frame.hidden = isLost;
+  lost.hidden = !isLost;
+}
+
+frame.addEventListener("load", () => {
+  clearTimeout(timer);
+  if (!ready) timer = setTimeout(() => showLost(true), READY_MS);
+});
+addEventListener("message", ({ source, data }) => {
+  if (source !== frame.contentWindow || data !== "evcot-ready") return;
+  clearTimeout(timer);
+  ready = true;
+  showLost(false);
+});
+
 function choose(index) {
   const part = parts[Math.min(Math.max(index, 0), parts.length - 1)];
   number.value = parts.indexOf(part) + 1;
-  frame.src = part.page;
+  showPage(part.page);
   document.getElementById("own").href = part.page;
   const seconds = [part.from_us, part.to_us].map((us) => (us / 1e6).toFixed(3));
   document.getElementById("said").textContent = `${seconds[0]} s to ${seconds[1]} s, ${part.events.toLocaleString("en")} events, ${part.grade}`;
