@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import time
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from evcot_cosim.report import Material, Side, write_report
 from evcot_cosim.report.part_pages import write_overview
@@ -445,6 +447,24 @@ def test_a_hostile_name_does_nothing(browser: Any, material: Material, tmp_path:
     assert opened.page.locator("h1").inner_text() == HOSTILE
     assert opened.complaints == []
     opened.context.close()
+
+
+def test_a_film_shows_the_report_in_use(browser: Any, report: Path, tmp_path: Path) -> None:
+    spec = importlib.util.spec_from_file_location("film_report", Path(__file__).parents[3] / "docs" / "site" / "film_report.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    module.film(browser, report, tmp_path / "report.gif")
+    with Image.open(tmp_path / "report.gif") as gif:
+        assert gif.size == (1200, 750)
+        assert gif.n_frames > 40  # type: ignore[attr-defined]
+        first = np.asarray(gif.convert("RGB")).astype(int)
+        gif.seek(gif.n_frames - 1)  # type: ignore[attr-defined]
+        last = np.asarray(gif.convert("RGB")).astype(int)
+    changed = np.abs(first - last).max(axis=2) > 40
+    assert changed[60:450, 130:700].mean() > 0.3, "the heat map lies over the picture"
+    assert changed[120:700, 720:].mean() > 0.05, "another tab is open"
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped"])
