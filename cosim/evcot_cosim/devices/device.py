@@ -106,7 +106,7 @@ def build_device(
     if savable:
         drive |= {"save.cpp": saving_source(module)}
         flags += ("--savable",)
-    return build(module, parameters, drive, extra_flags=flags, verilog=verilog, on_miss=on_miss)
+    return build(module, parameters, drive, extra_flags=flags, quick=waves, verilog=verilog, on_miss=on_miss)
 
 
 class Device:
