@@ -313,7 +313,8 @@ module axi_lite_regs #(
     wire fills_lives  = MOTION != 0 && fill_bank == LIVES;
     wire fills_motion = fills_lives || (MOTION != 0 && fill_bank == BOXES);
     wire [31:0] first = (fill_bank == FILTERS) ? filter_start(fill_word)
-                      : fills_motion ? motion_start({fills_lives, fill_word}) : slot_low(fill_word);
+                      : fills_motion ? motion_start({fills_lives, fill_word})
+                      : slot_low((MOTION != 0) ? `EVCOT_REG_MODE : fill_word);
 
     // A commit of motion reads the registers that it compares: of each pair first the one that must not be more.
     reg  [3:0]               compares;  // the one that is read
@@ -321,21 +322,43 @@ module axi_lite_regs #(
     wire [`EVCOT_MREG_W-1:0] compared = motion_compared(is_tracks, compares[2:0]);
     reg  [31:0]              less;
 
-    reg                     shadow_write;
-    reg  [BANK_W+REG_W-1:0] shadow_to;
-    reg  [31:0]             shadow_in;
-    wire [BANK_W+REG_W-1:0] shadow_from = (state == COPY) ? {copied, step}
-                                        : {bank, (state == RULES) ? compared[REG_W-1:0] : place};
+    // With motion, `mode` and the commit are all words of a slot: the shadow has those of all slots, and behind them the other banks.
+    localparam BEHIND_W = REG_W + 2;  // of a word behind the slots, in three banks
+    localparam SHADOW_W = (MOTION != 0) ? BEHIND_W + 1 : BANK_W + REG_W;
+
+    wire [BANK_W-1:0] to_bank   = fills ? fill_bank : stamps ? copied : bank;
+    wire [REG_W-1:0]  to_word   = fills ? fill_word : stamps ? `EVCOT_BANK_COMMIT : place;
+    wire [BANK_W-1:0] from_bank = (state == COPY) ? copied : bank;
+    wire [REG_W-1:0]  from_word = (state == COPY) ? step : (state == RULES) ? compared[REG_W-1:0] : place;
+    wire [SHADOW_W-1:0] write_to, shadow_from;
+
+    generate
+        if (MOTION != 0) begin : g_few
+            wire [1:0] to_behind   = to_bank[1:0] - FILTERS[1:0];
+            wire [1:0] from_behind = from_bank[1:0] - FILTERS[1:0];
+            wire [BEHIND_W-1:0] to_slot   = {{(BEHIND_W - SLOT_W) {1'b0}}, to_bank[SLOT_W-1:0]};
+            wire [BEHIND_W-1:0] from_slot = {{(BEHIND_W - SLOT_W) {1'b0}}, from_bank[SLOT_W-1:0]};
+            assign write_to    = (to_bank < FILTERS) ? {to_slot, to_word == `EVCOT_BANK_COMMIT} : {1'b1, to_behind, to_word};
+            assign shadow_from = (from_bank < FILTERS) ? {from_slot, from_word == `EVCOT_BANK_COMMIT} : {1'b1, from_behind, from_word};
+        end else begin : g_all
+            assign write_to    = {to_bank, to_word};
+            assign shadow_from = {from_bank, from_word};
+        end
+    endgenerate
+
+    reg                 shadow_write;
+    reg  [SHADOW_W-1:0] shadow_to;
+    reg  [31:0]         shadow_in;
 
     always @(posedge clk) begin
         shadow_write <= fills || stamps || stores;
-        shadow_to    <= fills ? fill : stamps ? {copied, `EVCOT_BANK_COMMIT} : {bank, place};
+        shadow_to    <= write_to;
         shadow_in    <= fills ? first : stamps ? seq[31:0] : legal;
     end
 
     block_memory #(
         .W    (32),
-        .DEPTH(BANKS << REG_W)
+        .DEPTH((MOTION != 0) ? 1 << SHADOW_W : BANKS << REG_W)
     ) u_shadow (
         .clk          (clk),
         .write        (shadow_write),

@@ -192,6 +192,9 @@ def test_of_a_slot_there_is_mode_alone_and_it_has_no_fixed_start() -> None:
     assert fault(device) == (REFUSED, mode)
     assert device.read(mode) == Mode.SEEDED
     assert not refuses(device, slot_address(3), 1)  # a commit of 1 is none
+    device.run(commands=[SETTLED])
+    modes = [device.read(slot_address(slot, "mode")) for slot in range(SHAPE.n_slots)]
+    assert modes == [Mode.SEEDED if slot == 3 else Mode.OFF for slot in range(SHAPE.n_slots)]
 
 
 @pytest.mark.parametrize("name", ["array", "chain"])

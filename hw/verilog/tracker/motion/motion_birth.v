@@ -16,11 +16,10 @@ module motion_birth #(
     input  wire                  clk,
 
     input  wire                  measure,    // how far is enough, by the sides
-    input  wire                  lane,       // `sum` is that of y, else of x: in turn
-    input  wire [SIDE_W:0]       sum,        // of both sides
+    input  wire [SIDE_W:0]       sum,        // of both sides of x and y in turn
+    input  wire [SIDE_W:0]       start,      // that at the fourth correction, of the same axis
     input  wire [SIDE_W-1:0]     side_x,
     input  wire [SIDE_W-1:0]     side_y,
-    input  wire [2*SIDE_W+1:0]   start,      // sums of x and y at the fourth correction
     input  wire                  young,      // it cannot be
     input  wire [SUP_W-1:0]      support,
     input  wire [TIME_W-1:0]     age,
@@ -39,8 +38,6 @@ module motion_birth #(
     reg  [SIDE_W+1:0] far, too_near;  // so much must it be, without two pixels; just less with them
     reg  [4:0]        left;           // places that `far` is shifted
     reg               few, old, early, small_x, small_y, goes_far, went_far;
-    wire [SIDE_W:0]   start_x, start_y;
-    reg  [SIDE_W:0]   from;             // of the axis that comes
     wire [PX_W-1:0]   least        = {{(PX_W - 8) {1'b0}}, birth_px};
     wire [WIDE_W-1:0] wide_support = {{(WIDE_W - SUP_W) {1'b0}}, support};
     wire [WIDE_W-1:0] wide_birth   = {{(WIDE_W - 16) {1'b0}}, birth_support};
@@ -49,11 +46,8 @@ module motion_birth #(
 
     wire unused = &{1'b0, ahead[SIDE_W+1:0], behind[SIDE_W+1:0]};
 
-    assign {start_x, start_y} = start;
-
     always @(posedge clk) begin
-        from     <= lane ? start_x : start_y;
-        way      <= {sum[SIDE_W], sum} - {from[SIDE_W], from};
+        way      <= {sum[SIDE_W], sum} - {start[SIDE_W], start};
         sides    <= {1'b0, side_x} + {1'b0, side_y};
         if (measure) begin
             far  <= {1'b0, sides};

@@ -24,7 +24,9 @@ module motion_context #(
     input  wire                keep,         // the state is written,
     input  wire                keep_window,
     input  wire                keep_id,
-    input  wire                keep_start,   // the place at the fourth correction
+    input  wire                ask_start,    // the start is read, else the id
+    input  wire                on_y,         // the start of which axis is read, or written
+    input  wire                keep_start,   // the place at the fourth correction; not with keep_id
     input  wire                finish,       // what takes effect
 
     input  wire [4*SIDE_W-1:0] sides,        // lo and hi of x, lo and hi of y
@@ -48,7 +50,7 @@ module motion_context #(
     input  wire [4*PX_W-1:0]   window,
     input  wire [2*REL_W-1:0]  middle,       // of the box, half pixels, y and x
     input  wire [ID_W-1:0]     id,
-    input  wire [2*SIDE_W+1:0] start,        // sums of both sides, x, y
+    input  wire [SIDE_W:0]     start,        // sum of both sides
     input  wire [9:0]          log2,
 
     output wire [4*SIDE_W-1:0] q_sides,
@@ -68,7 +70,7 @@ module motion_context #(
     output wire [23:0]         q_usual,
     output wire [9:0]          q_log2,
     output wire [ID_W-1:0]     q_id,
-    output wire [2*SIDE_W+1:0] q_start,
+    output wire [SIDE_W:0]     q_start,
     output wire [4*PX_W-1:0]   p_box,
     output wire [4*PX_W-1:0]   p_window,
 
@@ -84,6 +86,18 @@ module motion_context #(
     localparam EFFECT_W = 4 * SIDE_W + 2 * REL_W + 20;
     localparam ADDR_W  = SLOT_W > 7 ? SLOT_W : 7;  // more than 64 words, for block RAM on every device
     localparam DEPTH   = 1 << ADDR_W;
+
+    localparam PLACE_W  = (ID_W > SIDE_W + 1 ? ID_W : SIDE_W + 1) + 1;  // more than either
+    localparam PLACES_W = SLOT_W > 5 ? SLOT_W + 2 : 7;
+
+    wire [PLACE_W-1:0]  place;
+    wire [PLACES_W-1:0] of_start = {{(PLACES_W - SLOT_W - 1) {1'b0}}, at, on_y};
+    wire [PLACES_W-1:0] of_id    = {{(PLACES_W - SLOT_W - 1) {1'b0}}, at, 1'b0} | ({{(PLACES_W - 1) {1'b0}}, 1'b1} << SLOT_W + 1);
+
+    assign q_id    = place[ID_W-1:0];
+    assign q_start = place[SIDE_W:0];
+
+    wire unused = &{1'b0, place};
 
     wire [ADDR_W-1:0] of_at    = {{(ADDR_W - SLOT_W) {1'b0}}, at};
     wire [ADDR_W-1:0] of_place = {{(ADDR_W - SLOT_W) {1'b0}}, from};
@@ -107,32 +121,19 @@ module motion_context #(
         })
     );
 
+    // The id and, of each axis, the start.
     block_memory #(
-        .W    (2 * SIDE_W + 2),
-        .DEPTH(DEPTH)
-    ) u_starts (
+        .W    (PLACE_W),
+        .DEPTH(1 << PLACES_W)
+    ) u_places (
         .clk          (clk),
-        .write        (keep_start),
-        .write_address(of_at),
-        .write_data   (start),
+        .write        (keep_start || keep_id),
+        .write_address(keep_id ? of_id : of_start),
+        .write_data   (keep_id ? {{(PLACE_W - ID_W) {1'b0}}, id} : {{(PLACE_W - SIDE_W - 1) {1'b0}}, start}),
         .read_enable  (1'b1),
-        .read_address (of_at),
+        .read_address (ask_start ? of_start : of_id),
         .out_enable   (1'b1),
-        .read_data    (q_start)
-    );
-
-    block_memory #(
-        .W    (ID_W > 0 ? ID_W : 1),  // 0 is refused by cot_motion.v
-        .DEPTH(DEPTH)
-    ) u_ids (
-        .clk          (clk),
-        .write        (keep_id),
-        .write_address(of_at),
-        .write_data   (id),
-        .read_enable  (1'b1),
-        .read_address (of_at),
-        .out_enable   (1'b1),
-        .read_data    (q_id)
+        .read_data    (place)
     );
 
     block_memory #(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which slots have a visible track, a candidate, a track that was lost and may return, and four corrections behind them; the last of a
-// free slot is of the life before.
+// Which slots have a visible track, a candidate, a track that was lost and may return, and four corrections behind them; the last counts
+// only while the slot has a track. Four corrections come before `appear`, and those of a candidate alone are counted.
 //
 // Latency:    1 clock.
 // Throughput: a change of one slot per clock.
@@ -21,7 +21,7 @@ module motion_lives #(
     input  wire              settle,       // the fourth correction is done
     input  wire              appear,       // the candidate becomes visible
     input  wire              lapse,        // the life ends,
-    input  wire              leave,        // with it: it may return
+    input  wire              leave,        // only with it: it may return
 
     output reg  [N-1:0]      visible,
     output reg  [N-1:0]      candidate,
@@ -29,16 +29,18 @@ module motion_lives #(
     output reg  [N-1:0]      settled
 );
 
-    wire [N-1:0] one    = {{(N - 1) {1'b0}}, 1'b1};
-    wire [N-1:0] here   = one << at;
-    wire         leaves = lapse && leave;
-    wire         ends   = appear || lapse;  // the candidate, if it is one
+    // The bits of a slot change together, so they share the enable of their flip-flops.
+    wire    changes = seed || settle || appear || lapse;
+    integer k;
 
     always @(posedge clk) begin
-        candidate <= (candidate & ~(ends ? here : {N{1'b0}})) | (seed ? here : {N{1'b0}});
-        visible   <= (visible & ~(lapse ? here : {N{1'b0}})) | (appear ? here : {N{1'b0}});
-        left      <= (left & ~(seed || lapse ? here : {N{1'b0}})) | (leaves ? here : {N{1'b0}});
-        settled   <= (settled & ~(seed ? here : {N{1'b0}})) | (settle ? here : {N{1'b0}});
+        for (k = 0; k < N; k = k + 1)
+            if (changes && at == k[SLOT_W-1:0]) begin
+                candidate[k] <= seed || settle;
+                visible[k]   <= appear;
+                left[k]      <= leave;
+                settled[k]   <= !seed;
+            end
         if (rst) {visible, candidate, left, settled} <= {(4 * N) {1'b0}};
     end
 

@@ -4,7 +4,7 @@
 //
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low.
 //
-// Latency:    50 to 53 clocks from start to done.
+// Latency:    52 to 55 clocks from start to done.
 // Throughput: one at a time.
 // Stall:      waits for its records to be accepted, and for masks of the window before to be written.
 // Reset:      waits for a start.
@@ -139,7 +139,7 @@ module motion_merge #(
                 stays_id <= id;
                 at       <= goes;
                 kind     <= `EVCOT_KIND_MERGED;
-                pause    <= clocks(3'd2);
+                pause    <= clocks(3'd4);  // its stated velocity
                 state    <= goes_visible ? SAY_END : END;
             end
             SAY_END:

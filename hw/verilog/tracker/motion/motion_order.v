@@ -133,6 +133,7 @@ module motion_order #(
     output wire                    keep_id,
     output wire                    resume,
     output wire                    keep_start,
+    output wire                    ask_start,
     output wire                    follow,
     output wire                    united,        // with place: the sides cover those of another slot
     output wire                    look,
@@ -357,6 +358,7 @@ module motion_order #(
         .lapse      (s_lapse),
         .leave      (s_leave),
         .c_leave    (s_leaves),
+        .ask_start  (ask_start),
         .say        (s_say),
         .kind       (s_kind),
         .since      (s_since),

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The velocity that records state: the displacement of the box per motion step, averaged twice. docs/motion.md, rule V1.
 //
-// Both axes go through one pipeline, y a clock after x. `at`, sums and sides must stay until a command is carried out.
+// Each axis has a word in memory. Words of x and y are read in turn, and both means go through one circuit, first that of displacements.
+// `at` must be there 3 clocks before a command; it, sums and sides must stay until that is carried out.
 //
-// Latency:    13 clocks from `follow`, 6 from `begins`, 1 from `settle` until memory has it; 2 from `at` to `v_x` and `v_y`.
+// Latency:    14 clocks from `follow`, 7 from `begins`, 2 from `settle` until memory has it; 4 from `at` to `v_x` and `v_y`.
 // Throughput: a command at a time.
 // Stall:      none.
 // Reset:      no command; memory is written by `begins` before it counts.
@@ -30,62 +31,46 @@ module motion_pace #(
     input  wire [SIDE_W-1:0] side_x,  // hi - lo, at least 0
     input  wire [SIDE_W-1:0] side_y,
 
-    output wire [15:0]       v_x,     // the stated velocity
-    output wire [15:0]       v_y
+    output reg  [15:0]       v_x,     // the stated velocity
+    output reg  [15:0]       v_y
 );
 
-    localparam ADDR_W   = SLOT_W > 7 ? SLOT_W : 7;  // more than 64 words, for block RAM on every device
+    localparam ADDR_W   = SLOT_W > 6 ? SLOT_W + 1 : 7;  // more than 64 words, for block RAM on every device
     localparam SLOW_MAX = 4;   // log2 of the steps that a mean is over, at most
     localparam WAS_W    = 20;  // bits that count of a place
     localparam PACE_W   = 17;  // bits of a displacement in a step
-    localparam FOUND    = 4;   // bit of `followed` that is high while y enters the pipeline; two clocks later `slow` is known
 
-    wire [ADDR_W-1:0]        address = {{(ADDR_W - SLOT_W) {1'b0}}, at};
-    wire [WAS_W-1:0]         was_x, was_y;
-    wire signed [PACE_W-1:0] pace_x, pace_y, stated_x, stated_y;
-    reg  [3:0]               begun;      // a one for each clock since `begins`
-    reg  [FOUND+6:0]         followed;   // and since `follow`
-    reg                      begins_now, follows_now;
+    // Of the axis that was read, y if `on_y`; that before is the other one.
+    reg                      on_y;
+    wire [WAS_W-1:0]         was;
+    wire signed [PACE_W-1:0] pace, stated;
+    reg  signed [PACE_W-1:0] pace_1, stated_1;
+    wire signed [WAS_W-1:0]  sum   = on_y ? sum_y[WAS_W-1:0] : sum_x[WAS_W-1:0];
+    reg         [WAS_W-1:0]  sum_1;
 
-    reg  signed [PACE_W-1:0] new_pace_x, new_pace_y, new_stated_x, new_stated_y;
-
-    block_memory #(
-        .W    (2 * WAS_W + 4 * PACE_W),
-        .DEPTH(1 << ADDR_W)
-    ) u_paces (
-        .clk          (clk),
-        .write        (begins_now || settle || follows_now),
-        .write_address(address),
-        .write_data   ({
-            sum_x[WAS_W-1:0], sum_y[WAS_W-1:0],
-            begins_now ? {2{v[15:0], 1'b0, v[31:16], 1'b0}}
-            : settle ? {pace_x, pace_y, stated_x, stated_y}
-            : {new_pace_x, new_pace_y, new_stated_x, new_stated_y}
-        }),
-        .read_enable  (1'b1),
-        .read_address (address),
-        .out_enable   (1'b1),
-        .read_data    ({was_x, was_y, pace_x, pace_y, stated_x, stated_y})
-    );
-
-    assign v_x = stated_x[PACE_W-1:1];
-    assign v_y = stated_y[PACE_W-1:1];
+    reg  [6:1]               begun;      // a one for each clock since `begins`,
+    reg  [13:1]              followed;   // since `follow`,
+    reg                      settle_1;   // and since `settle`
+    wire                     begins_now = begun[5] || begun[6];
+    wire                     follows_now = followed[12] || followed[13];
 
     // ---- how many steps the means are over -------------------------------------------------------------------------------
 
-    reg  [PACE_W-1:0]          speed_x, speed_y, speed;
+    reg  [PACE_W-1:0]          speed_1, speed_2, speed;
     reg  [SIDE_W-1:0]          shorter;
     reg  [2:0]                 slow;
     reg  [SIDE_W-1:0]          way_slow;  // in 2^slow steps
     wire                       too_slow = slow != 3'd1 && way_slow > shorter;
 
-    // ---- the pipeline: x, then y -----------------------------------------------------------------------------------------
+    // ---- the pipeline: an axis enters it in every second clock and goes through its stages 3 to 5 twice ------------------------
 
     reg  signed [WAS_W-1:0]    way_1;
-    reg  signed [PACE_W:0]     more_2, more_5;
-    reg  signed [PACE_W-1:0]   step_3, pace_4, step_6;
+    reg  signed [PACE_W-1:0]   way_2, step_4, mean_5, mean_6, mean_7, mean_8, mean_9;
+    reg  signed [PACE_W:0]     more_3;
+    reg                        again;       // in stages 2 and 4: the mean of the mean
     wire                       is_wide = way_1[WAS_W-1:PACE_W-1] != {(WAS_W + 1 - PACE_W) {way_1[WAS_W-1]}};
-    wire signed [PACE_W-1:0]   way     = is_wide ? {way_1[WAS_W-1], {(PACE_W - 1) {!way_1[WAS_W-1]}}} : way_1[PACE_W-1:0];
+    wire signed [PACE_W-1:0]   value   = again ? stated : pace;
+    wire signed [PACE_W-1:0]   aim     = again ? mean_6 : way_2;
 
     // A difference to nearest, in parts of 2^slow.
     function signed [PACE_W-1:0] part_of;
@@ -99,17 +84,45 @@ module motion_pace #(
         end
     endfunction
 
-    always @(posedge clk) begin
-        begun       <= {begun[2:0], begins};
-        begins_now  <= begun[3];
-        followed    <= {followed[FOUND+5:0], follow};
-        follows_now <= followed[FOUND+6];
+    function [ADDR_W-1:0] place;
+        input [SLOT_W-1:0] slot;
+        input              is_y;
+        place = {{(ADDR_W - SLOT_W) {1'b0}}, slot} | ({{(ADDR_W - 1) {1'b0}}, is_y} << SLOT_W);
+    endfunction
 
-        speed_x <= stated_x[PACE_W-1] ? -stated_x : stated_x;
-        speed_y <= stated_y[PACE_W-1] ? -stated_y : stated_y;
-        speed   <= speed_x > speed_y ? speed_x : speed_y;
+    block_memory #(
+        .W    (WAS_W + 2 * PACE_W),
+        .DEPTH(1 << ADDR_W)
+    ) u_paces (
+        .clk          (clk),
+        .write        (begins_now || settle || settle_1 || follows_now),
+        .write_address(place(at, !on_y)),
+        .write_data   ({
+            sum_1,
+            begins_now ? {2{on_y ? v[15:0] : v[31:16], 1'b0}} : follows_now ? {mean_9, mean_5} : {pace_1, stated_1}
+        }),
+        .read_enable  (1'b1),
+        .read_address (place(at, on_y)),
+        .out_enable   (1'b1),
+        .read_data    ({was, pace, stated})
+    );
+
+    always @(posedge clk) begin
+        on_y     <= !on_y;
+        pace_1   <= pace;
+        stated_1 <= stated;
+        sum_1    <= sum;
+        settle_1 <= settle;
+        begun    <= {begun[5:1], begins};
+        followed <= {followed[12:1], follow};
+        if (on_y) v_y <= stated[PACE_W-1:1];
+        else v_x <= stated[PACE_W-1:1];
+
+        speed_1 <= stated[PACE_W-1] ? -stated : stated;
+        speed_2 <= speed_1;
+        speed   <= speed_1 > speed_2 ? speed_1 : speed_2;
         shorter <= side_x < side_y ? side_x : side_y;
-        if (followed[1]) begin
+        if (followed[2]) begin
             slow     <= SLOW_MAX;
             way_slow <= {{(SIDE_W - PACE_W - SLOW_MAX) {1'b0}}, speed, {SLOW_MAX{1'b0}}};
         end else if (too_slow) begin
@@ -117,21 +130,18 @@ module motion_pace #(
             way_slow <= way_slow >> 1;
         end
 
-        way_1  <= followed[FOUND] ? sum_y[WAS_W-1:0] - was_y : sum_x[WAS_W-1:0] - was_x;
-        more_2 <= {way[PACE_W-1], way} - (followed[FOUND+1] ? {pace_y[PACE_W-1], pace_y} : {pace_x[PACE_W-1], pace_x});
-        step_3 <= part_of(more_2, slow);
-        pace_4 <= (followed[FOUND+3] ? pace_y : pace_x) + step_3;
-        more_5 <= {pace_4[PACE_W-1], pace_4} - (followed[FOUND+4] ? {stated_y[PACE_W-1], stated_y} : {stated_x[PACE_W-1], stated_x});
-        step_6 <= part_of(more_5, slow);
-        if (followed[FOUND+3]) new_pace_x <= pace_4;
-        if (followed[FOUND+4]) new_pace_y <= pace_4;
-        if (followed[FOUND+5]) new_stated_x <= stated_x + step_6;
-        if (followed[FOUND+6]) new_stated_y <= stated_y + step_6;
+        // Of the axes that are read 3 and 4 clocks after `follow`: both come by again in every second clock.
+        way_1  <= sum - was;
+        way_2  <= is_wide ? {way_1[WAS_W-1], {(PACE_W - 1) {!way_1[WAS_W-1]}}} : way_1[PACE_W-1:0];
+        again  <= followed[8] || followed[9] || followed[10] || followed[11];
+        more_3 <= {aim[PACE_W-1], aim} - {value[PACE_W-1], value};
+        step_4 <= part_of(more_3, slow);
+        mean_5 <= value + step_4;
+        {mean_9, mean_8, mean_7, mean_6} <= {mean_8, mean_7, mean_6, mean_5};
         if (rst) begin
-            begun       <= 4'd0;
-            followed    <= {(FOUND + 7) {1'b0}};
-            begins_now  <= 1'b0;
-            follows_now <= 1'b0;
+            on_y     <= 1'b0;
+            begun    <= 6'd0;
+            followed <= 13'd0;
         end
     end
 

@@ -39,6 +39,8 @@ module motion_slot #(
     input  wire                keep_window,  // box and window,
     input  wire                keep_id,      // the next id, or with `resume` that of the slot that `at` has left,
     input  wire                resume,
+    input  wire                ask_start,    // the start is read, else the id
+    input  wire                on_y,         // the start of which axis is read, or written
     input  wire                keep_start,   // the place at the fourth correction
     input  wire                finish,       // what takes effect
 
@@ -60,7 +62,7 @@ module motion_slot #(
     input  wire [2*REL_W-1:0]  middle,       // of the box, half pixels, y and x
     input  wire                ran,          // run_next is that of x; in the next clock, of y
     input  wire [3:0]          run_next,
-    input  wire [2*SIDE_W+1:0] start,        // sums of both sides, x, y
+    input  wire [SIDE_W:0]     start,        // sum of both sides
     input  wire [9:0]          nev_low,
     input  wire [9:0]          nev_high,
     input  wire [3:0]          gain_log2,
@@ -92,7 +94,7 @@ module motion_slot #(
     output wire [4*SIDE_W-1:0] q_refs,
     output wire [23:0]         q_usual,
     output wire [ID_W-1:0]     q_id,
-    output wire [2*SIDE_W+1:0] q_start,
+    output wire [SIDE_W:0]     q_start,
     output wire [4*PX_W-1:0]   p_box,
     output wire [4*PX_W-1:0]   p_window,
 
@@ -142,6 +144,8 @@ module motion_slot #(
         .keep         (keep),
         .keep_window  (keep_window),
         .keep_id      (keep_id),
+        .ask_start    (ask_start),
+        .on_y         (on_y),
         .keep_start   (keep_start),
         .finish       (finish),
         .sides        (sides),

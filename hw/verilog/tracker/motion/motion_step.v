@@ -91,6 +91,7 @@ module motion_step #(
     output reg               lapse,
     output reg               leave,        // with it: it may return
     output reg               c_leave,      // and has its time
+    output wire              ask_start,    // where it was at the fourth correction is read, and not its id
     output reg               say,          // the record is taken
     output reg  [1:0]        kind,
     output reg  [1:0]        since,        // see motion_times.v
@@ -166,6 +167,7 @@ module motion_step #(
     assign this_slot = slot;
     assign load      = reads;
     assign resume    = appear && back;
+    assign ask_start = state == DECIDE || (state == BORN && !back);
 
     array_lowest #(
         .N     (N),

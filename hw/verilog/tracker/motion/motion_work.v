@@ -108,13 +108,14 @@ module motion_work #(
     wire              c_loads, c_load, c_begin_job, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
     wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
-    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
+    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start, c_ask_start;
     wire              c_resume, c_leaves, returns, ran, widest, c_follow, c_united;
 
     wire [31:0] v;         // velocity of the slot that is worked on: y, x
     reg [3:1] fetches;
     wire      read_done = fetches[3];
     reg was_read;          // what was read counts
+    reg keeps_start;       // of the second axis
     reg may_return;
     reg resting;           // the velocity is 0
     reg [TIME_W-1:0] paused;   // the length of all empty periods that do not count for deadlines
@@ -125,6 +126,7 @@ module motion_work #(
 
     always @(posedge clk) begin
         fetches    <= {fetches[2:1], fetch};
+        keeps_start <= c_keep_start;
         may_return <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         resting    <= v == 32'd0;
         if (begun && job_pauses) paused <= paused + ({{(TIME_W - 1) {1'b0}}, 1'b1} << regs[`MOTION_STEP_LOG2]);
@@ -246,6 +248,7 @@ module motion_work #(
         .keep_id     (c_keep_id),
         .resume      (c_resume),
         .keep_start  (c_keep_start),
+        .ask_start   (c_ask_start),
         .follow      (c_follow),
         .united      (c_united),
         .look        (look),
@@ -296,7 +299,7 @@ module motion_work #(
     wire                turn, crossed_x, crossed_y;
     wire [31:0]         q_v;
     wire [4*SIDE_W-1:0] refs, q_refs;
-    wire [2*SIDE_W+1:0] q_start;
+    wire [SIDE_W:0]     q_start;
     wire [23:0]         usual, q_usual, ticks;
     wire                beyond;
     wire [TIME_W-1:0]   age;
@@ -427,7 +430,9 @@ module motion_work #(
         .keep_window    (c_keep_window),
         .keep_id        (c_keep_id),
         .resume         (c_resume),
-        .keep_start     (c_keep_start),
+        .ask_start      (c_ask_start),
+        .on_y           (lane),
+        .keep_start     (c_keep_start || keeps_start),
         .finish         (finish),
         .job_owned      (job_owned),
         .job_marks      (job_kind[1] ? 4'd0 : job_marks),
@@ -446,7 +451,7 @@ module motion_work #(
         .middle         ({middle_y[REL_W-1:0], middle_x[REL_W-1:0]}),
         .ran            (ran),
         .run_next       (run_next),
-        .start          ({sum_x, sum_y}),
+        .start          (sum_lane),
         .nev_low        (regs[`MOTION_NEV_LOW]),
         .nev_high       (regs[`MOTION_NEV_HIGH]),
         .gain_log2      (regs[`MOTION_GAIN_LOG2]),
@@ -684,11 +689,10 @@ module motion_work #(
     ) u_birth (
         .clk          (clk),
         .measure      (c_ask),
-        .lane         (lane),
         .sum          (sum_lane),
+        .start        (q_start),
         .side_x       (side_x),
         .side_y       (side_y),
-        .start        (q_start),
         .young        (crossed_x || crossed_y || corrections < 6'd4),
         .support      (support),
         .age          (age),

@@ -26,7 +26,6 @@ def test_random_candidates() -> None:
         io.birth_support, io.birth_px = int(rng.integers(1, 2_000)), int(rng.integers(256)) >> 5
         io.birth_ticks, io.birth_travel = int(rng.integers(1 << 23)), int(rng.integers(9))
         io.side_x, io.side_y = sides
-        io.start = starts[0] % (1 << SIDE_W + 1) << SIDE_W + 1 | starts[1] % (1 << SIDE_W + 1)
         io.support, io.age, io.young = support, age, young
         wrong = {
             "support": support < int(io.birth_support),
@@ -38,8 +37,8 @@ def test_random_candidates() -> None:
         }
         for clock in range(9 + int(io.birth_travel)):
             io.measure = clock == 1
-            io.lane = clock % 2
             io.sum = sums[clock % 2] % (1 << SIDE_W + 1)
+            io.start = starts[clock % 2] % (1 << SIDE_W + 1)
             sim.clock.tick()
         assert int(io.appears) == (not any(wrong.values()))
         seen[bool(int(io.appears))] += 1

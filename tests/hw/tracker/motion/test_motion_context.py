@@ -24,7 +24,7 @@ def groups(slot_w: int) -> dict[str, dict[str, int]]:
         "keep": state,
         "keep_window": window,
         "keep_id": {"id": ID_W},
-        "keep_start": {"start": 2 * SIDE_W + 2},
+        "keep_start": {"start": SIDE_W + 1},
         "finish": {"state": 2, "moves": 4 * SIDE_W, "marks": 4, "meets": 5, "n_ev": 10, "middle": 2 * REL_W},
     }
 
@@ -36,41 +36,56 @@ def test_random_slots(slot_w: int) -> None:
     io, rng, of = sim.io, np.random.default_rng(1), groups(slot_w)
     slots = 1 << slot_w
     bits_of = {name: bits for fields in of.values() for name, bits in fields.items()}
-    read = {name: keep for keep in ("keep", "keep_id", "keep_start") for name in of[keep]} | {"moves": "finish"}
+    read = {name: keep for keep in ("keep",) for name in of[keep]} | {"moves": "finish"}
+    starts: dict[tuple[int, int], int] = {}  # of slot and axis
     has: dict[tuple[str, int, str], int] = {}
-    apart = 0
-    for round_ in range(500 + slots):
-        io.at = at = round_ if round_ < slots else int(rng.integers(slots))
+    apart = starts_read = 0
+    for round_ in range(500 + 3 * slots):
+        begins = round_ < 3 * slots  # first the ids, then the starts of x, then of y
+        io.at = at = round_ % slots if begins else int(rng.integers(slots))
+        io.on_y = on_y = int(round_ >= 2 * slots) if begins else int(rng.integers(2))
         values = {name: int.from_bytes(rng.bytes(16)) % (1 << bits) for name, bits in bits_of.items()}
         for name, value in values.items():
             setattr(io, name, value)
         values["hidden"] = values["meets"] >> 1
         for keep, fields in of.items():
-            does = round_ < slots or rng.random() < 0.4
+            does = begins or rng.random() < 0.4
+            if keep == "keep_id" and begins:
+                does = round_ < slots
+            if keep == "keep_start" and int(io.keep_id):  # never at once
+                does = False
             setattr(io, keep, int(does))
             if does:
                 has.update({(keep, at, name): values[name] for name in (*fields, "hidden")})
+            if does and keep == "keep_start":
+                starts[at, on_y] = values["start"]
         sim.clock.tick()
         for keep in of:
             setattr(io, keep, 0)
-        if round_ < slots - 1:
+        if round_ < 3 * slots - 1:
             continue
         # An answer of three other slots comes in each clock, two later.
-        asked: list[tuple[int, int, int]] = []
+        asked: list[tuple[int, int, int, int, int]] = []
         for _clock in range(4):
             io.at, io["from"], io.e_slot = (int(number) for number in rng.integers(slots, size=3))
-            asked.append((int(io.at), int(io["from"]), int(io.e_slot)))
+            io.on_y, io.ask_start = (int(number) for number in rng.integers(2, size=2))
+            asked.append((int(io.at), int(io["from"]), int(io.e_slot), int(io.on_y), int(io.ask_start)))
             sim.clock.tick()
             if len(asked) > 1:
-                here, window_of, effect_of = asked[-2]
+                here, window_of, effect_of, axis, of_start = asked[-2]
+                if of_start:
+                    assert int(io.q_start) == starts[here, axis]
+                else:
+                    assert int(io.q_id) == has["keep_id", here, "id"]
+                starts_read += of_start
                 for name, keep in read.items():
                     assert int(getattr(io, f"q_{name}")) == has[keep, here, name], name
                 for name in ("box", "window"):
                     assert int(getattr(io, f"p_{name}")) == has["keep_window", window_of, name]
                 for name in EFFECT:
                     assert int(getattr(io, f"e_{name}")) == has["finish", effect_of, name], name
-                apart += len({*asked[-2]}) > 1 and asked[-1] != asked[-2]
-    assert apart > 100
+                apart += len({*asked[-2][:3]}) > 1 and asked[-1] != asked[-2]
+    assert min(apart, starts_read) > 100
 
 
 def test_lint() -> None:

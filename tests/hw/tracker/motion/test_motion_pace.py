@@ -10,7 +10,7 @@ from support.slow_motion import Axis
 from support.testing import lint
 
 SIDE_W = 25
-CLOCKS = {"follow": 13, "begins": 6, "settle": 1}  # until memory has it, which is read in two more
+CLOCKS = {"follow": 14, "begins": 7, "settle": 2}  # until memory has it, which is read in four more
 
 
 def _followed(axes: list[Axis]) -> int:
@@ -43,7 +43,7 @@ def test_random_slots() -> None:
         setattr(io, command, 1)
         sim.clock.tick()
         setattr(io, command, 0)
-        for _ in range(CLOCKS[command] + 1):
+        for _ in range(CLOCKS[command] + 3):
             sim.clock.tick()
         if command == "follow":
             lengths.add(_followed(axes))

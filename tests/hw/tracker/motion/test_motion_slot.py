@@ -15,7 +15,7 @@ SLOT_W, SIDE_W, PX_W, REL_W, SUP_W, ID_W = 2, 20, 9, 6, 8, 3
 SLOTS, MOST = 1 << SLOT_W, (1 << SUP_W) - 1
 KEPT = {"sides": 4 * SIDE_W, "v": 32, "refs": 4 * SIDE_W, "usual": 24}
 WINDOW = {"box": 4 * PX_W, "window": 4 * PX_W}
-START = {"start": 2 * SIDE_W + 2}
+START = {"start": SIDE_W + 1}
 MOVES = {"moves": 4 * SIDE_W, "state": 2, "middle": 2 * REL_W}
 COMMANDS = (
     "load", "begin_job", "unite", "seed", "offset", "count", "begin_bins", "pair", "part", "meet", "keep", "keep_window",
@@ -115,6 +115,7 @@ def test_random_commands() -> None:
             "gain_slow": int(rng.integers(7)), "gain_fast": int(rng.integers(13)), "run_next": int(rng.integers(16)),
             "gap_corrections": int(rng.integers(256)) >> int(rng.integers(9)),
             "from": int(rng.integers(SLOTS)), "e_slot": int(rng.integers(SLOTS)),
+            "ask_start": int(name != "keep_id" and rng.random() < 0.5),
         }  # fmt: skip
         values |= {word: int.from_bytes(rng.bytes(16)) % (1 << bits) for word, bits in (KEPT | WINDOW | START | MOVES).items()}
         for port, value in values.items():
@@ -172,7 +173,8 @@ def test_random_commands() -> None:
         full += slot.support == MOST
         most += slot.corrections == 63
         assert (int(io.q_meets), int(io.q_support)) == (memory[at].meets, memory[at].support)
-        assert all(int(io[f"q_{word}"]) == words[at, word] for word in (*KEPT, *START, "id", "moves"))
+        assert all(int(io[f"q_{word}"]) == words[at, word] for word in (*KEPT, "moves"))
+        assert int(io.q_start if int(io.ask_start) else io.q_id) == words[at, "start" if int(io.ask_start) else "id"]
         assert all(int(io[f"p_{word}"]) == words[values["from"], word] for word in WINDOW)
         after, e_slot = effects[values["e_slot"]], values["e_slot"]
         assert (int(io.e_marks), int(io.e_hidden), int(io.e_n_ev)) == (after.marks, after.hidden, after.n_ev)
