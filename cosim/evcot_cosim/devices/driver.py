@@ -114,7 +114,7 @@ def source(top: str, shape: Shape, motion: bool = False, gates: bool = False) ->
         takes_seq=top == "cot",
         in_order=top in ("cot", "cot_array", "cot_motion"),
         filtered=top == "cot_filtered",
-        registered=top in ("cot_array", "cot_motion") and not gates,
+        registered=top in ("cot_array", "cot_filtered", "cot_motion") and not gates,
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,
         time_mask=(1 << shape.time_w) - 1,

@@ -178,7 +178,7 @@ module cell_memory #(
     reg  [2:0] meets_held;
     reg  [1:0] meets_taken;
     reg        meets_then;
-    reg  [1:0] same, same_read, same_found, same_held, same_taken;  // with the two slots next ahead
+    reg  [1:0] same_read, same_found, same_held, same_taken;  // with the two slots next ahead
     reg        same_then;
 
     function beside;  // or equal
@@ -189,13 +189,6 @@ module cell_memory #(
             beside     = difference == 17'd0 || difference == 17'd1 || (&difference);
         end
     endfunction
-
-    always @* begin : own_cell
-        integer k;
-        k = 1;  // on every path, or it would be a latch
-        for (k = 1; k < 3; k = k + 1)
-            same[k-1] = access[k] && columns[k*16 +: 16] == columns[15:0] && lines[k*16 +: 16] == lines[15:0];
-    end
 
     always @(posedge clk) begin : meets
         integer k;
@@ -209,7 +202,8 @@ module cell_memory #(
             meets_held  <= meets_found[2:0];
             meets_taken <= meets_held[1:0];
             meets_then  <= meets_taken[0];
-            same_read   <= same;
+            for (k = 1; k < 3; k = k + 1)
+                same_read[k-1] <= access[k] && columns[k*16 +: 16] == columns[15:0] && lines[k*16 +: 16] == lines[15:0];
             same_found  <= same_read;
             same_held   <= same_found;
             same_taken  <= same_held;
@@ -266,7 +260,38 @@ module cell_memory #(
             then_below <= taken_line + 32'd1 < END_Y;
         end
 
+    // Which columns and lines of banks hold the slot's own cell in `then`, and which one beside it too.
+    wire [3:0]  own_column  = 4'd1 << then_column;
+    wire [3:0]  own_line    = 4'd1 << then_line;
+    wire [3:0]  near_column = own_column | ({own_column[2:0], own_column[3]} & {4{then_right}})
+                                         | ({own_column[0], own_column[3:1]} & {4{then_left}});
+    wire [3:0]  near_line   = own_line | ({own_line[2:0], own_line[3]} & {4{then_below}})
+                                       | ({own_line[0], own_line[3:1]} & {4{then_above}});
+    wire [15:0] own_bank    = {4{own_column}} & {{4{own_line[3]}}, {4{own_line[2]}}, {4{own_line[1]}}, {4{own_line[0]}}};
+    wire [15:0] near_bank   = {4{near_column}} & {{4{near_line[3]}}, {4{near_line[2]}}, {4{near_line[1]}}, {4{near_line[0]}}};
     reg  [15:0] age_around, age_own;
+
+    always @(posedge clk)
+        if (advance) begin
+            age_own    <= own_bank;
+            age_around <= near_bank & ~own_bank;
+        end
+
+    reg [15:0] writes;  // of the slot in `age`: a visit empties what is too old
+
+    always @* begin : which
+        integer k;
+        k      = 0;  // on every path, or it would be a latch
+        writes = age_own & {16{stays}};
+        if (visits[6])
+            for (k = 0; k < 16; k = k + 1) writes[k] = clearing || (&m_age[k*STAMP_W + SEGMENT_W + 1 +: 2]);
+    end
+
+    // The word that the neighbour in a bank lies in; where there is none on the sensor, any.
+    wire [ROW_W-1:0] right = {{(ROW_W - 1) {1'b0}}, !visits[0] && columns[1:0] == 2'd3};
+    wire [ROW_W-1:0] left  = {ROW_W{!visits[0] && columns[1:0] == 2'd0}};
+    wire [ROW_W-1:0] below = {ROW_W{!visits[0] && lines[1:0] == 2'd3}} & STRIDE[ROW_W-1:0];
+    wire [ROW_W-1:0] above = {ROW_W{!visits[0] && lines[1:0] == 2'd0}} & ({ROW_W{1'b0}} - STRIDE[ROW_W-1:0]);
 
     genvar b;
     generate
@@ -275,24 +300,11 @@ module cell_memory #(
             localparam [1:0]  COL  = BANK[1:0];
             localparam [1:0]  LINE = BANK[3:2];
 
-            // The word that the neighbour in this bank lies in; where there is none on the sensor, any.
-            wire right = !visits[0] && COL == 2'd0 && columns[1:0] == 2'd3;
-            wire left  = !visits[0] && COL == 2'd3 && columns[1:0] == 2'd0;
-            wire below = !visits[0] && LINE == 2'd0 && lines[1:0] == 2'd3;
-            wire above = !visits[0] && LINE == 2'd3 && lines[1:0] == 2'd0;
-            wire [ROW_W-1:0] aside   = right ? {{(ROW_W - 1) {1'b0}}, 1'b1} : {ROW_W{left}};
-            wire [ROW_W-1:0] astride = below ? STRIDE[ROW_W-1:0] : above ? {ROW_W{1'b0}} - STRIDE[ROW_W-1:0] : {ROW_W{1'b0}};
-
-            wire own_column = then_column == COL;
-            wire own_line   = then_line == LINE;
-            wire in_columns = own_column || (then_column == COL - 2'd1 && then_right)
-                                         || (then_column == COL + 2'd1 && then_left);
-            wire in_lines   = own_line || (then_line == LINE - 2'd1 && then_below)
-                                       || (then_line == LINE + 2'd1 && then_above);
+            wire [ROW_W-1:0] aside   = COL == 2'd0 ? right : COL == 2'd3 ? left : {ROW_W{1'b0}};
+            wire [ROW_W-1:0] astride = LINE == 2'd0 ? below : LINE == 2'd3 ? above : {ROW_W{1'b0}};
 
             reg  [ROW_W-1:0]  read_row;
             wire [WORD_W-1:0] was;
-            wire              too_old = &m_age[b*STAMP_W + SEGMENT_W + 1 +: 2];
             wire              unused  = &{1'b0, was};
 
             stamp_bank #(
@@ -303,7 +315,7 @@ module cell_memory #(
                 .clk        (clk),
                 .advance    (advance),
                 .read_row   (read_row),
-                .writes     (visits[6] ? too_old || clearing : stays && age_own[b]),
+                .writes     (writes[b]),
                 .write_row  (row[6*ROW_W +: ROW_W]),
                 .write_word (write_word),
                 .last_word  (last_word),
@@ -316,8 +328,6 @@ module cell_memory #(
             always @(posedge clk)
                 if (advance) begin
                     read_row                    <= row[ROW_W-1:0] + aside + astride;
-                    age_own[b]                  <= own_column && own_line;
-                    age_around[b]               <= in_columns && in_lines && !(own_column && own_line);
                     m_age[b*STAMP_W +: STAMP_W] <= then_now - was[STAMP_W-1:0];
                 end
         end

@@ -39,8 +39,6 @@ module stamp_bank #(
     localparam PART_W = 11;
     localparam PARTS  = (ROWS + (1 << PART_W) - 1) >> PART_W;
 
-    wire [4:0] hits = meets & {5{writes}};
-
     wire [WORD_W-1:0] held;
     reg  [WORD_W-1:0] then;
     reg               passed;           // of the slot in `found`: its word was written in the clock of its read
@@ -48,14 +46,14 @@ module stamp_bank #(
 
     always @(posedge clk)
         if (advance) begin
-            passed  <= hits[4];
-            newest  <= hits[3];
+            passed  <= writes && meets[4];
+            newest  <= writes && meets[3];
             passing <= passed;
-            taken   <= hits[2] ? write_word : newest ? last_word : passing ? second_word : held;
-            then    <= hits[1] ? write_word : taken;
+            taken   <= writes && meets[2] ? write_word : newest ? last_word : passing ? second_word : held;
+            then    <= writes && meets[1] ? write_word : taken;
         end
 
-    assign was = hits[0] ? write_word : then;
+    assign was = writes && meets[0] ? write_word : then;
 
     // ---- the parts ---------------------------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from evcot.hardware.modules import Module
 from evcot.hardware.motion.model import MotionModel
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import build_device
+from evcot_cosim.devices.device import StreamTimes, build_device
 from support import moving
 from support.testing import lint
 from support.tokens import ticked
@@ -94,6 +95,25 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(module: Module, e
     assert min(kept) < 0.9
     assert max(kept) > 0.1  # something was taken out, and something left to track
     assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or module != "cot_chain") > 20
+
+
+@pytest.mark.parametrize("module", ["cot_array", "cot_chain"])
+def test_clocks_with_and_without_a_waveform_are_the_same(module: Module, tmp_path: Path) -> None:
+    """A waveform needs whole evaluations at both edges; without one the drive takes a shorter way."""
+    rng = np.random.default_rng(8)
+    config = replace(random_config(rng, SHAPE, module), filters=random_filters(rng, 255), filter_shape=SENSOR)
+    built, traffic = build_device(config, waves=False), random_traffic(rng, SHAPE, 2_000, 0.3, 0)
+    stalls = Stalls.random(rng)
+    short, whole = (bare_device(config, model=built, stalls=stalls) for _ in range(2))
+    decided, times = short.stream_timed(traffic)
+    with whole.dumping(tmp_path / "w.vcd", 0, 10):
+        again, whole_times = whole.stream_timed(traffic)
+    assert len(decided.records) > 20
+    assert short.cycle == whole.cycle
+    for field in Decisions._fields:
+        assert np.array_equal(getattr(decided, field), getattr(again, field)), field
+    for field in StreamTimes._fields:
+        assert np.array_equal(getattr(times, field), getattr(whole_times, field)), field
 
 
 @pytest.mark.parametrize("stalls", [None, 5])
