@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.events import Events
+import evcot
+from evcot.events import Events, Recording
 from evcot.tracks.log import TRACK, Kind, TrackLog
 
-__all__ = ["HEIGHT", "RADIUS", "WIDTH", "Row", "Square", "bursts", "log_of"]
+__all__ = ["HEIGHT", "RADIUS", "WIDTH", "Row", "Square", "bursts", "centre_errors_px", "log_of"]
 
 
 Row = tuple[int, Kind, int, float, float] | tuple[int, Kind, int, float, float, int]
@@ -66,3 +67,31 @@ def bursts(
     seen = ((places >= 0) & (places < sensor)).all(axis=1)
     x, y = places[seen].astype(np.uint16).T
     return Events(t[seen], x, y, np.ones(int(seen.sum()), np.uint8))
+
+
+def centre_errors_px(
+    engine: str, step_ms: int, side: int, per_burst: float, slope: float, rows: bool = False
+) -> NDArray[np.float64]:
+    """Distance of the nearest track from the centre of a square, at each of the bursts 20 to 39; infinite without a track.
+
+    Args:
+        per_burst: displacement from burst to burst, in sides.
+        slope: vertical displacement, divided by the horizontal one.
+        rows: events of a burst come row by row, not in random order.
+    """
+    vx = side * per_burst / (step_ms * 1e-3) / np.hypot(1, slope)
+    square = Square(20.3, 20.7, vx, slope * vx, side)
+    sensor = 1280, 720
+    events = bursts(step_ms, [square], sensor, lasts_ms=40 * step_ms)
+    if rows:
+        order = np.lexsort((events.x, events.y, events.t_us))
+        events = Events(events.t_us[order], events.x[order], events.y[order], events.p[order])
+    records = evcot.track(Recording(events, *sensor, "bursts"), engine).records
+    states = records[records["kind"] <= Kind.MOVED]
+    errors_px = []
+    for t_us in range(20_000 * step_ms, 40_000 * step_ms, 1_000 * step_ms):
+        recent = states[(states["t_us"] <= t_us) & (states["t_us"] > t_us - 2_000 * step_ms)]
+        x, y = (corner + (side - 1) / 2 for corner in square.corner(t_us))
+        newest = [recent[recent["track_id"] == track_id][-1] for track_id in np.unique(recent["track_id"])]
+        errors_px.append(min((np.hypot(state["x"] - x, state["y"] - y) for state in newest), default=np.inf))
+    return np.array(errors_px)

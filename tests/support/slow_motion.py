@@ -229,18 +229,19 @@ class Slot:
         """Whether the box in effect holds it."""
         return all(seen.box[0] <= at <= seen.box[1] for seen, at in zip(self.seen, place, strict=True))
 
-    def take(self, place: tuple[int, int], shared: bool, support_max: int) -> bool:
+    def take(self, place: tuple[int, int], shared: bool, support_max: int, in_burst: bool = False) -> bool:
         r = self.r
         self.owned = min(self.owned + 1, support_max)
         if shared:
             return False
         back = r.side_step >> r.side_share
         faster = 1 if self.visible_seen else 2
+        outwards = 4 * faster if in_burst else faster
         for axis, seen, at in zip(self.axes, self.seen, place, strict=True):
             number = (at - pixel(seen.lo)) // axis.bin_px
             if r.gap_corrections and not self.corrects and 0 <= number < 16:
                 axis.bins[number] += 1
-            seen.measure(at * PX, faster * (r.side_step - back), faster * back)
+            seen.measure(at * PX, outwards * (r.side_step - back), faster * back)
         if self.corrects:
             return False
         self.count += 1
@@ -410,6 +411,7 @@ class SlowArray:
         self.steps = self._steps_after(0)
         self.step_tick, self.step_slot = next(self.steps)
         self.came, self.empty, self.paused = False, 0, 0  # empty periods do not count for deadlines, up to 32 in a row
+        self.latest: list[int] = []  # ticks of the last 16 kept events
 
     def event(self, now: int, x: int, y: int, kept: bool = True) -> None:
         """The next event; one that a filter took out advances time and the count."""
@@ -430,10 +432,12 @@ class SlowArray:
             return
         self.came = True
         self._take_effect(number, now)
+        in_burst = self.latest == [now] * 16
+        self.latest = [*self.latest, now][-16:]
         slot, shared = self._owner((x, y))
         if slot is None and self.seeded is None:
             slot = self._seed((x, y), now)
-        elif slot is not None and slot.take((x, y), shared, self.support_max):
+        elif slot is not None and slot.take((x, y), shared, self.support_max, in_burst):
             self._job("correction", slot, now)
         self.owners.append(-1 if slot is None else slot.number)
 

@@ -128,7 +128,7 @@ module cot_motion #(
 
     wire [TIME_W-1:0] now, next_step;
     wire              holds;
-    wire              q_valid, q_due, q_runs, q_late, q_far, q_event, q_skip, q_p, q_empty;
+    wire              q_valid, q_due, q_runs, q_late, q_far, q_event, q_skip, q_p, q_burst, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
     wire [Y_W-1:0]    q_y;
@@ -172,6 +172,7 @@ module cot_motion #(
         .m_x      (q_x),
         .m_y      (q_y),
         .m_p      (q_p),
+        .m_burst  (q_burst),
         .next_x   (next_x),
         .next_y   (next_y),
         .empty    (q_empty)
@@ -302,6 +303,7 @@ module cot_motion #(
         .s_x        (q_x),
         .s_y        (q_y),
         .s_p        (q_p),
+        .s_burst    (q_burst),
         .s_time     (works ? work_time : q_time),
         .next_x     (next_x),
         .next_y     (next_y),

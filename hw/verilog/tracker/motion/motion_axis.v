@@ -29,7 +29,7 @@ module motion_axis #(
 
     // second stage
     input  wire [AT_W-1:0]          place,
-    input  wire [16:0]              out,        // way of a side that the event is beyond
+    input  wire [18:0]              out,        // way of a side that the event is beyond
     input  wire [16:0]              back,       // and of one that it is not
     input  wire                     forward,    // the slot is that of the third stage
     input  wire                     recent,     // or that of the fourth, which writes
@@ -125,8 +125,8 @@ module motion_axis #(
     function [SIDE_W:0] way;
         input              none, effects, minus;
         input [SIDE_W-1:0] moved;
-        input [16:0]       amount;
-        way = none ? {(SIDE_W + 1) {1'b0}} : effects ? {moved, 1'b0} : {{(SIDE_W - 17) {minus}}, amount ^ {17{minus}}, minus};
+        input [18:0]       amount;
+        way = none ? {(SIDE_W + 1) {1'b0}} : effects ? {moved, 1'b0} : {{(SIDE_W - 19) {minus}}, amount ^ {19{minus}}, minus};
     endfunction
 
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
@@ -143,9 +143,9 @@ module motion_axis #(
         hide_hi   <= hide[1];
         hide_both <= &hide || moves || rests;
         {far_lo, less_far_lo}   <= way(rests || (!moves && &hide), moves, !hide[0], s_move_lo, out);
-        {near_lo, less_near_lo} <= way(rests || (!moves && &hide), moves, hide[0], s_move_lo, back);
+        {near_lo, less_near_lo} <= way(rests || (!moves && &hide), moves, hide[0], s_move_lo, {2'b00, back});
         {far_hi, less_far_hi}   <= way(rests || (!moves && &hide), moves, hide[1], s_move_hi, out);
-        {near_hi, less_near_hi} <= way(rests || (!moves && &hide), moves, !hide[1], s_move_hi, back);
+        {near_hi, less_near_hi} <= way(rests || (!moves && &hide), moves, !hide[1], s_move_hi, {2'b00, back});
         if (!forward || update) begin
             lo_far_4   <= lo_far[SIDE_W:1];
             hi_far_4   <= hi_far[SIDE_W:1];

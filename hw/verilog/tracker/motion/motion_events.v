@@ -40,6 +40,7 @@ module motion_events #(
     input  wire [X_W-1:0]    s_x,
     input  wire [Y_W-1:0]    s_y,
     input  wire              s_p,
+    input  wire              s_burst,     // it is within a burst (docs/motion.md, rule T4)
     input  wire [TIME_W-1:0] s_time,
     input  wire [X_W-1:0]    next_x,      // of the token behind it, and
     input  wire [Y_W-1:0]    next_y,
@@ -131,6 +132,7 @@ module motion_events #(
     // ---- stages 1 to 4: whose is it? -----------------------------------------------------------------------------------
 
     reg  [6:1]         valid;            // a token
+    reg  [5:1]         burst;            // its event is within a burst
     reg  [TOKEN_W-1:0] token_1, token_2, token_3, token_4, token_5, token_6;
     reg  [2:0]         op_1, op_2, op_3, op_4, op_5, op_6;  // clear, effect, step
     reg  [6:2]         ops;              // one of them
@@ -194,6 +196,7 @@ module motion_events #(
 
     always @(posedge clk) begin
         valid     <= {valid[5:1], s_valid};
+        burst     <= {burst[4:1], s_burst};
         token_1   <= {s_time, s_event, s_skip, s_x, s_y, s_p};
         token_2   <= token_1;
         token_3   <= token_2;
@@ -255,7 +258,8 @@ module motion_events #(
     wire [11:0]        left_5     = lefts[slot_5];
     wire               last_next  = left_6 == 10'd2;
     wire               any_next   = !same_5 ? left_5[10] : any_left_6 && !corrects_6;
-    wire [16:0]        far        = visible_5 ? out : {out[15:0], 1'b0};
+    wire [16:0]        far_once   = visible_5 ? out : {out[15:0], 1'b0};
+    wire [18:0]        far        = burst[5] ? {far_once, 2'b00} : {2'b00, far_once};
     wire [16:0]        near       = visible_5 ? back : {back[15:0], 1'b0};
     wire [REL_W-1:0]   rel_x, rel_y;
     wire [SIDE_W-1:0]  lo_x_7, hi_x_7, lo_y_7, hi_y_7;

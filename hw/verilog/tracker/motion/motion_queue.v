@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tokens on their way to the event pipeline: their ticks are added up, and it is seen whether a motion step is due before them, or
-// something takes effect.
+// Tokens on their way to the event pipeline: their ticks are added up, and it is seen whether they are within a burst (docs/motion.md,
+// rule T4), and whether a motion step is due before them, or something takes effect.
 //
 // Latency:    5 clocks from the acceptance of a token to m_valid.
 // Throughput: a token per clock.
@@ -47,16 +47,19 @@ module motion_queue #(
     output reg  [X_W-1:0]    m_x,
     output reg  [Y_W-1:0]    m_y,
     output reg               m_p,
+    output reg               m_burst,    // 16 events or more before it came at its tick
     output wire [X_W-1:0]    next_x,     // of the token behind it
     output wire [Y_W-1:0]    next_y,
 
     output wire              empty
 );
 
-    localparam TOKEN_W = TIME_W + X_W + Y_W + 3;
+    localparam TOKEN_W = TIME_W + X_W + Y_W + 4;
 
     reg [TOKEN_W-1:0] tokens[0:15];
     reg               in_valid, in_event, in_skip, in_p;
+    reg               in_later;         // time has passed since the token before
+    reg [4:0]         same_tick;        // events at the tick of the token before, at most 16
     reg [X_W-1:0]     in_x;
     reg [Y_W-1:0]     in_y;
     reg [TIME_W-1:0]  in_time;
@@ -72,15 +75,17 @@ module motion_queue #(
     wire              any   = written != read;
     wire [4:0]        level = written - read;
     // Negative before a step: of the token that comes to the output, and of the one that is there.
-    wire [DUE_W-1:0]  until_step = next[X_W+Y_W+3+:DUE_W] - next_step[DUE_W-1:0];
+    wire [DUE_W-1:0]  until_step = next[X_W+Y_W+4+:DUE_W] - next_step[DUE_W-1:0];
     wire [DUE_W-1:0]  after_step = m_time[DUE_W-1:0] - next_step[DUE_W-1:0];
-    wire [DUE_W-1:0]  until_due   = next[X_W+Y_W+3+:DUE_W] - due_tick;
+    wire [DUE_W-1:0]  until_due   = next[X_W+Y_W+4+:DUE_W] - due_tick;
     wire [DUE_W-1:0]  after_due   = m_time[DUE_W-1:0] - due_tick;
-    wire [DUE_W-1:0]  behind_next = next[X_W+Y_W+3+:DUE_W] - now[DUE_W-1:0];
+    wire [DUE_W-1:0]  behind_next = next[X_W+Y_W+4+:DUE_W] - now[DUE_W-1:0];
     wire [DUE_W-1:0]  behind      = m_time[DUE_W-1:0] - now[DUE_W-1:0];
     wire              before_step = holds ? after_step[DUE_W-1] : until_step[DUE_W-1];
 
-    assign {next_x, next_y} = next[X_W+Y_W:1];
+    wire [4:0]        before_it   = in_later ? 5'd0 : same_tick;
+
+    assign {next_x, next_y} = next[X_W+Y_W+1:2];
     assign empty = !in_valid && !in_valid_2 && !any && !next_valid && !m_valid;
 
     always @(posedge clk) begin
@@ -91,10 +96,12 @@ module motion_queue #(
             in_x     <= s_x;
             in_y     <= s_y;
             in_p     <= s_p;
+            in_later <= |s_tick;
             in_time  <= in_time + {{(TIME_W - TICK_W) {1'b0}}, s_tick};
         end
         in_valid_2 <= in_valid;
-        in_2       <= {in_time, in_event, in_skip, in_x, in_y, in_p};
+        in_2       <= {in_time, in_event, in_skip, in_x, in_y, in_p, before_it[4]};
+        if (in_valid) same_tick <= before_it + {4'd0, in_event && !before_it[4]};
         if (in_valid_2) begin
             tokens[written[3:0]] <= in_2;
             written              <= written + 5'd1;
@@ -107,7 +114,7 @@ module motion_queue #(
         end
         if (gives) begin
             m_valid <= next_valid;
-            {m_time, m_event, m_skip, m_x, m_y, m_p} <= next;
+            {m_time, m_event, m_skip, m_x, m_y, m_p, m_burst} <= next;
         end
         if (gives || holds) begin
             m_due  <= !before_step;
@@ -119,6 +126,7 @@ module motion_queue #(
         if (rst) begin
             in_valid   <= 1'b0;
             in_time    <= {TIME_W{1'b0}};
+            same_tick  <= 5'd0;
             written    <= 5'd0;
             read       <= 5'd0;
             s_ready    <= 1'b0;

@@ -17,6 +17,7 @@ from ._sides import measure
 from ._state import (
     BEYOND,
     BOX_LO_X,
+    BURST_FROM,
     BUSY,
     CANDIDATE,
     COMPUTED,
@@ -62,6 +63,7 @@ from ._state import (
     REPORT_STEPS,
     REPORTED,
     RETURN_TICKS,
+    SAME_TICK,
     SEEDING,
     SEQ,
     SLOTS_LOG2,
@@ -69,6 +71,7 @@ from ._state import (
     STEP_LOG2,
     SUPPORT,
     SUPPORT_MAX,
+    TICK,
     VISIBLE,
     WAITS,
     WAITS_TICK,
@@ -300,18 +303,28 @@ def _lives(s: Table) -> bool:
 
 
 @step
-def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
+def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool, in_burst: bool) -> bool:
     """What an event does to its owner; true when the window of N_ev events is complete."""
     s[i, EV_OWNED] = min(s[i, EV_OWNED] + 1, lim[SUPPORT_MAX])
     if shared:
         return False
     if r[GAP_CORRECTIONS] and not s[i, CORRECTS]:
         count_in_bins(s, i, x, y)
-    measure(s, r, i, x, y)
+    measure(s, r, i, x, y, in_burst)
     if s[i, CORRECTS]:
         return False
     s[i, EV_COUNT] += 1
     return bool(s[i, EV_COUNT] >= s[i, N_EV])
+
+
+@step
+def _in_burst(glob: Table, now: int) -> bool:
+    """Count a kept event; whether enough of them have come at its tick before it."""
+    if now != glob[TICK]:
+        glob[TICK] = now
+        glob[SAME_TICK] = 0
+    glob[SAME_TICK] += 1
+    return bool(glob[SAME_TICK] > BURST_FROM)
 
 
 @step
@@ -407,6 +420,7 @@ def feed(
         if glob[SEQ] >= glob[DUE] or now >= glob[DUE_TICK]:
             _effects(s, glob, modes, places, glob[SEQ], now)
         glob[BUSY] = 1
+        in_burst = _in_burst(glob, now)
         x: Any = np.int64(xs[e])  # signed: unsigned ones would be compared with sides as floats
         y: Any = np.int64(ys[e])
         i, shared, seeds = find(places, x, y)
@@ -414,7 +428,7 @@ def feed(
             owner[e] = i
             rel_x[e] = (2 * x - s[i, EV_BOX_LO_X] - s[i, EV_BOX_HI_X]) & lim[REL_MASK]
             rel_y[e] = (2 * y - s[i, EV_BOX_LO_Y] - s[i, EV_BOX_HI_Y]) & lim[REL_MASK]
-            if _take(s, r, lim, i, x, y, shared):
+            if _take(s, r, lim, i, x, y, shared, in_burst):
                 n = _correct(s, r, lim, glob, i, now, out, n)
         elif i >= 0 and glob[SEEDING] < 0:
             _seed(s, r, glob, places, i, x, y, now)

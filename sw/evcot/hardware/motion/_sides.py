@@ -10,6 +10,7 @@ from ._state import (
     AT_LO_X,
     AT_LO_Y,
     BEYOND,
+    BURST_LOG2,
     CANDIDATE,
     EV_BEYOND,
     EV_HI_X,
@@ -64,13 +65,15 @@ def _axis(s: Table, i: int, lo: int, hi: int, at_lo: int, at_hi: int, place: int
 
 
 @step
-def measure(s: Table, r: Table, i: int, x: int, y: int) -> None:
-    """Move the sides of slot i by one event; those of a candidate move twice as fast."""
+def measure(s: Table, r: Table, i: int, x: int, y: int, in_burst: bool) -> None:
+    """Move the sides of slot i by one event; those of a candidate move twice as fast, and outwards more within a burst."""
     back = r[SIDE_STEP] >> r[SIDE_SHARE]
     out = r[SIDE_STEP] - back
     if s[i, EV_STATE] == CANDIDATE:
         out <<= 1
         back <<= 1
+    if in_burst:
+        out <<= BURST_LOG2
     _axis(s, i, EV_LO_X, EV_HI_X, AT_LO_X, AT_HI_X, x << SUB, out, back)
     _axis(s, i, EV_LO_Y, EV_HI_Y, AT_LO_Y, AT_HI_Y, y << SUB, out, back)
 

@@ -57,8 +57,9 @@ _NAMES = [field.name for field in fields(MotionRegisters)]
 )  # fmt: skip
 
 # Common to all slots. The next step is that of NEXT_SLOT at tick NEXT_STEP, in the period that begins at tick PERIOD.
-NOW, SEQ, BIRTHS, PERIOD, NEXT_SLOT, NEXT_STEP, DUE, SEEDING, EMPTY, BUSY, PAUSED, DUE_TICK = range(12)
-GLOBAL_COUNT = 12
+# SAME_TICK kept events have come at TICK.
+NOW, SEQ, BIRTHS, PERIOD, NEXT_SLOT, NEXT_STEP, DUE, SEEDING, EMPTY, BUSY, PAUSED, DUE_TICK, TICK, SAME_TICK = range(14)
+GLOBAL_COUNT = 14
 
 ID_MASK, SUPPORT_MAX, REL_MASK, REACH, SLOTS_LOG2 = range(5)  # follow from the hardware's widths and number of slots
 LIMIT_COUNT = 5
@@ -77,4 +78,6 @@ MOVES_FROM = 4  # corrections from which on a candidate's velocity counts
 EFFECT_EVENTS = 64  # events after which what was computed takes effect
 EFFECT_TICKS = 256  # or ticks
 EMPTY_MAX = 32  # periods in a row without an event that do not bring a deadline nearer
+BURST_FROM = 16  # kept events at one tick after which another one is within a burst
+BURST_LOG2 = 2  # a side moves by 2^BURST_LOG2 times as much for an event of a burst beyond it
 LOOKS_FROM = 8  # corrections from which on a gap counts

@@ -72,7 +72,7 @@ class Slots:
 
     def event(self, slot: int, kind: str) -> Token:
         seen, rng = self.seen[slot], self.rng
-        token = Token(kind, slot, int(rng.integers(128)), int(rng.integers(60_000)), int(rng.integers(60_000)))
+        token = Token(kind, slot, int(rng.integers(128)), int(rng.integers(1 << 19)), int(rng.integers(1 << 17)))
         token.rel = (2 * token.place - self.middles[slot]) % (1 << REL_W)
         number = (token.place - pixel(seen.lo)) >> self.log2s[slot]
         token.bin = number if 0 <= number < 16 else None

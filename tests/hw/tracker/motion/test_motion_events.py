@@ -131,19 +131,20 @@ class Events:
         self.time += int(rng.integers(4))
         io.s_valid, io.s_event, io.s_skip, io.s_x, io.s_y, io.s_p = 1, int(event), int(skip and not event), x, y, p
         io.s_time = self.time
+        io.s_burst = in_burst = int(rng.random() < 0.3)
         done = {"event": int(event), "owned": 0, "time": self.time, "x": x, "y": y, "p": p, "seq": self.seq}
         if event:
-            done |= self.event((x, y))
+            done |= self.event((x, y), bool(in_burst))
         self.seq = (self.seq + (event or skip)) % (1 << SEQ_W)
         self.expect(TOKEN, "token", {f"d_{name}": value for name, value in done.items()})
 
-    def event(self, place: tuple[int, int]) -> dict[str, int]:
+    def event(self, place: tuple[int, int], in_burst: bool) -> dict[str, int]:
         slow = self.slow
         slot, shared = slow._owner(place)
         if slot is None:
             return self.seed(place)
         corrected, starts, box = slot.corrects, [pixel(seen.lo) for seen in slot.seen], [sum(seen.box) for seen in slot.seen]
-        corrects = slot.take(place, shared, MOST)
+        corrects = slot.take(place, shared, MOST, in_burst)
         if not shared and not corrected and self.r.gap_corrections:
             numbers = [(at - start) // axis.bin_px for axis, at, start in zip(slot.axes, place, starts, strict=True)]
             self.expect(BINS, "bins", (slot.number, *(number if 0 <= number < 16 else None for number in numbers)))

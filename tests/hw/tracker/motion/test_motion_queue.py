@@ -34,13 +34,15 @@ def test_random_tokens_and_steps(pattern: str) -> None:
     waiting: list[tuple[int, ...]] = []  # time and fields of tokens inside
     time = taken = steps = full = passed = now = 0  # passed: the time of the last token that was taken
     due, late, far = {True: 0, False: 0}, {True: 0, False: 0}, {True: 0, False: 0}
-    due_tick = 0
+    due_tick, latest, in_burst = 0, list[int](), {True: 0, False: 0}  # times of the last 16 events
     offered: tuple[int, ...] | None = None
     next_step, hold, write_in = 40, 0, 0  # hold: clocks until it is over; write_in: until another length of a step counts
-    for _clock in range(5_000):
+    for clock in range(5_000):
+        together = clock % 500 < 200
         io.s_valid = int(offered is not None or next(offers))
         if io.s_valid and offered is None:
-            offered = (int(rng.integers(1 << TICK_W)), *(int(rng.integers(1 << bits)) for bits in WIDTHS))
+            tick = 0 if together else int(rng.integers(1 << TICK_W))
+            offered = (tick, *(int(rng.integers(1 << bits)) for bits in WIDTHS))
             for name, value in zip(("tick", *FIELDS), offered, strict=True):
                 setattr(io, f"s_{name}", value)
         if write_in == 1:
@@ -52,7 +54,8 @@ def test_random_tokens_and_steps(pattern: str) -> None:
         begins = False
         assert int(io.m_runs) <= int(io.m_valid)
         if int(io.m_valid):
-            assert (int(io.m_time), *(int(getattr(io, f"m_{name}")) for name in FIELDS)) == waiting[0]
+            assert (int(io.m_time), *(int(getattr(io, f"m_{name}")) for name in (*FIELDS, "burst"))) == waiting[0]
+            in_burst[bool(waiting[0][-1])] += 1
             is_late, is_far = waiting[0][0] >= due_tick, waiting[0][0] - now >= FAR  # those of the clock before
             assert (int(io.m_late), int(io.m_far)) == (is_late, is_far)
             late[is_late] += 1
@@ -81,12 +84,14 @@ def test_random_tokens_and_steps(pattern: str) -> None:
             next_step += int(rng.choice([0, 100, 500])) if next_step < time + 2_000 else 0
         if accepted and offered is not None:
             time += offered[0]
-            waiting.append((time, *offered[1:]))
+            waiting.append((time, *offered[1:], int(latest == [time] * 16)))
+            if offered[1]:
+                latest = [*latest, time][-16:]
             offered = None
     assert 1 << DUE_W < time < 1 << TIME_W
     assert taken > 500
     assert steps > 50
-    assert min(*due.values(), *late.values(), *far.values()) > 50
+    assert min(*due.values(), *late.values(), *far.values(), *in_burst.values()) > 50
     assert full > 50 or pattern == "rarely"
 
 
@@ -119,6 +124,37 @@ def test_a_token_a_clock_and_what_is_held() -> None:
         io.opens = opens
         sim.clock.tick()
         assert int(io.s_ready) == opens
+
+
+def test_events_are_within_a_burst_from_the_17th_of_a_tick_on() -> None:
+    sim = model()
+    io = sim.io
+    sim.clock.tick()
+
+    def bursts(ticks: list[int], event: int = 1) -> list[int]:
+        """Of the tokens that come so many ticks after the one before."""
+        io.next_step, io.m_ready, io.s_event, found = 1 << DUE_W - 2, 1, event, []
+        for tick in [*ticks, *[0] * LATENCY]:
+            io.s_valid, io.s_tick = int(len(found) < len(ticks)), tick
+            found.append(0)
+            sim.clock.tick()
+            if int(io.m_valid):
+                found[-1 - LATENCY + 1] = int(io.m_burst)
+        io.s_valid = 0
+        return found[: len(ticks)]
+
+    assert bursts([0] * 19) == [0] * 16 + [1] * 3
+    assert bursts([0], event=0) == [1]
+    assert bursts([1, *[0] * 9]) == [0] * 10
+    assert bursts([0] * 9, event=0) == [0] * 9
+    assert bursts([0] * 7) == [0] * 6 + [1]
+    assert bursts([3], event=0) == [0]
+    assert bursts([0] * 17) == [0] * 16 + [1]
+    io.rst = 1
+    sim.clock.tick()
+    io.rst = 0
+    sim.clock.tick()
+    assert bursts([0] * 17) == [0] * 16 + [1]
 
 
 def test_reset_empties_it_and_time_begins_anew() -> None:
