@@ -81,14 +81,7 @@ def add_toggles(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     title = "count toggles by module, as a table and as SAIF, to estimate power"
     parser = add_command(commands, "toggles", title, _TOGGLES_EXAMPLES)
     input_options(parser)
-    parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin this long after the first event")
-    parser.add_argument(
-        "--to",
-        dest="to_ms",
-        type=float,
-        metavar="MS",
-        help=f"end (default: {TOGGLES_MS:g} ms after --from)",
-    )
+    _moment_options(parser, TOGGLES_MS)
     parser.add_argument("--beside", choices=MODULES, help="another RTL module on the same events, in the same table")
     output_option(
         parser, "--saif", suffixes=(".saif",), metavar="FILE", help="write the toggles of every net of --hardware in SAIF"
@@ -143,15 +136,14 @@ def add_waves(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     asserts.add_argument("--json", action="store_true", help="print every verdict as JSON")
 
 
+def _moment_options(parser: argparse.ArgumentParser, length_ms: float) -> None:
+    """Add --from and --to of a part that has a length if none is given."""
+    parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin this long after the first event")
+    parser.add_argument("--to", dest="to_ms", type=float, metavar="MS", help=f"end (default: {length_ms:g} ms after --from)")
+
+
 def _window_options(parser: argparse.ArgumentParser) -> None:
     input_options(parser, runs=True)
-    parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin this long after the first event")
-    parser.add_argument(
-        "--to",
-        dest="to_ms",
-        type=float,
-        metavar="MS",
-        help=f"end (default: {WAVES_MS:g} ms after --from)",
-    )
+    _moment_options(parser, WAVES_MS)
     parser.add_argument("--around", metavar="MOMENT", help=f"show the surroundings of {MOMENTS}")
     parser.add_argument("--reach", type=int, metavar="N", help=f"number of events before and after it (default: {REACH})")
