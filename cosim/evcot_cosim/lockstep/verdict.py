@@ -51,8 +51,8 @@ _MERGED = (0.7, 0.4)
 _BY_TRUTH = ("exactness", "tracks")  # lines that decide where there is a truth
 _FEW = 5  # a share of fewer short tracks makes nothing poor; a share of fewer merges says nothing
 # Window of the activity filter that is advised. On 10 draws of traffic_outbound (validation) it raises HOTA from 0.782 to 0.792
-# and puts 28 % of the isolated events into tracks instead of 41 %; on hand_dvs128 18 % instead of 32 %. With 5 ms, HOTA falls to
-# 0.769.
+# and puts 28 % of the isolated events into tracks instead of 41 %; on hand_dvs128 18 % instead of 32 %. With 5 ms, HOTA falls
+# to 0.769.
 _ACTIVITY_US = 20_000
 
 
