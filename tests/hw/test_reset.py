@@ -43,10 +43,11 @@ def run(device: Device, clocks: int, rng: np.random.Generator) -> None:
 def test_after_a_reset_of_one_clock_nothing_comes_out(module: str) -> None:
     print("seed 12")
     rng = np.random.default_rng(12)
+    device = device_of(module)
+    io = device.sim.io
     for _ in range(150):
-        device = device_of(module)
+        device.reset()
         run(device, int(rng.integers(40, 100)), rng)
-        io = device.sim.io
         io.rst = 1
         device.sim.clock.tick()
         io.rst, io.s_valid = 0, 0
