@@ -8,6 +8,8 @@ medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with 
 - `trailing_zeros`: one instruction, instead of the documented way by the exponent of a float: 1.06, 1.04.
 - `no_cpython_wrapper`, `no_cfunc_wrapper`: no wrapper for calls from Python, which saves a third of the compile time. With
   them the golden model of cot_array is compiled in 3.6 s instead of 5.6 and 1.03 times as fast, that of cot_motion 1.08.
+- `_StepLibrary`: a function that only compiled functions call is neither optimised nor translated to machine code by itself.
+  LLVM does both where its callers are complete. `adaptive` is compiled in 0.75 of the time, and is as fast as before.
 - `get_call_template`: a call with a constant compiles the function for its type, and not once more for the constant: 69 instead
   of 79 functions and 1.10 of the compile time for this tracker, 94 instead of 104 and 1.07 for `adaptive`.
 - `_as_if_missing`: Numba imports YAML, SciPy, cffi and colorama where they are installed: to read a file, a version, for
@@ -72,6 +74,8 @@ _UNUSED = (
 
 with _as_if_missing(*_UNUSED), _extensions() if _ON_COMMAND_LINE else nullcontext():
     from numba import njit, types
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler import Compiler
     from numba.core.typing import cffi_utils as _cffi_utils  # noqa: F401
     from numba.cpython.unsafe.numbers import trailing_zeros
     from numba.np import linalg
@@ -82,9 +86,50 @@ _INSIDE: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": Fa
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
+class _NoAddresses:
+    """Takes the addresses of a function's constants, which a function without machine code does not have."""
+
+    def set_env(self, _name: str, _address: object) -> None:
+        """Ignore the address."""
+
+
+class _StepLibrary(JITCodeLibrary):
+    """LLVM code of one function, to be linked into its callers: only what makes the code smaller is done here."""
+
+    codegen = _NoAddresses()
+
+    def _optimize_final_module(self) -> None:
+        make = self._codegen
+        passes, builder = make._module_pass_manager(
+            loop_vectorize=make._loopvect, slp_vectorize=False, opt=make._opt_level, cost="cheap"
+        )
+        passes.run(self._final_module, builder)
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, _name: str) -> int:
+        """No address."""
+        self._ensure_finalized()
+        return 0
+
+    def serialize_using_object_code(self) -> Any:
+        """What Numba caches: LLVM code, for want of machine code."""
+        return self.serialize_using_bitcode()
+
+
+class _StepCompiler(Compiler):
+    """Numba's compiler, with a `_StepLibrary`."""
+
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *rest: Any) -> None:
+        library = library or _StepLibrary(targetctx.codegen(), "step")
+        super().__init__(typingctx, targetctx, library, *rest)  # type: ignore[no-untyped-call]
+
+
 def step(function: _Function) -> _Function:
     """Compile a function that is called only by compiled functions, and owns no array."""
-    return cast(_Function, _once(njit(cache=True, nogil=True, **_INSIDE)(function)))
+    return cast(_Function, _once(njit(cache=True, nogil=True, pipeline_class=_StepCompiler, **_INSIDE)(function)))
 
 
 def _once(dispatcher: Any) -> Any:
