@@ -4,8 +4,8 @@
 Places are drawn evenly from all operators, numbers, conditions and register assignments of the RTL (`rtl`), and of the models,
 trackers, filters, metrics and readers (`python`). A mutant that is no valid program is drawn again. First the test file that
 mirrors the mutated file runs. If it passes, other tests follow: of RTL the files that mutations.toml names, which also serve as
-mirror of a module without a test file of its own; of Python all tests of the package. A surviving RTL mutant is compared with the
-original by Yosys. Other equivalent mutants are argued in equivalent_mutants.toml.
+mirror of a module without its own test file; of Python all tests of the package. Yosys compares a surviving RTL mutant with
+the original. Other equivalent mutants are argued in equivalent_mutants.toml.
 """
 
 from __future__ import annotations
