@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import itertools
 import os
 import random
 import re
@@ -35,8 +36,9 @@ ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
 EQUIVALENT = TESTS / "equivalent_mutants.toml"
 PACKAGES = ("hardware", "trackers", "metrics", "recordings", "filters", "tracks")
-_TEST_S = 900  # of one run of pytest, after which a mutant counts as killed: it hangs
+_TEST_S = 1800  # of one run of pytest, after which a mutant counts as killed: it hangs
 _YOSYS_S = 300
+_NO_PROGRAM = "it cannot be built"
 
 _SWAPS = {"+": "-", "-": "+", "*": "+", "//": "*", "%": "*", "==": "!=", "!=": "==", "<": "<=", "<=": "<", ">": ">=", ">=": ">"}
 _RTL_SWAPS = _SWAPS | {"&&": "||", "||": "&&", "&": "|", "|": "&", "^": "&", "!": "", "~": "", "<<": ">>", ">>": "<<"}
@@ -188,6 +190,7 @@ def rtl_kind() -> Kind:
     paths = rtl_files()
     sources = {name: path.read_text() for name, path in paths.items() if name.endswith(".v") and name != "parameter_check.v"}
     verilator = find_toolchain()
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted((TESTS / "hw").rglob("test_*.py"))}
     listed: dict[str, set[str]] = {}
     for mutation in mutations():
         listed.setdefault(mutation.file, set()).update(test.partition("::")[0] for test in mutation.tests)
@@ -202,9 +205,10 @@ def rtl_kind() -> Kind:
         return run.returncode == 0
 
     def stages(mutant: Mutant) -> list[list[Path]]:
-        mirror = sorted((TESTS / "hw").rglob(f"test_{Path(mutant.file).stem}.py"))
-        names = sorted(listed.get(mutant.file, set()) - {path.name for path in mirror})
-        others = [path for name in names for path in sorted((TESTS / "hw").rglob(name))]
+        name = Path(mutant.file).stem
+        mirror = [path for path in texts if path.name == f"test_{name}.py"]
+        others = [path for path in texts if path.name in listed.get(mutant.file, ()) and path not in mirror]
+        others = others or [path for path, text in texts.items() if re.search(rf"\b{name}\b", text) and path not in mirror]
         return [mirror, others] if mirror else [others, []]
 
     def environment(folder: Path) -> dict[str, str]:
@@ -264,6 +268,8 @@ def first_failure(tests: Sequence[Path], environment: dict[str, str]) -> str:
         )
     except subprocess.TimeoutExpired:
         return "a test that hangs"
+    if "cannot build" in done.stdout:
+        return _NO_PROGRAM
     failed = re.search(r"^(?:FAILED|ERROR) tests/(\S+)", done.stdout, re.MULTILINE)
     return failed[1] if failed else "pytest itself" if done.returncode not in (0, 5) else ""
 
@@ -302,7 +308,7 @@ def verdict(kind: Kind, mutant: Mutant, argued: dict[str, str]) -> tuple[str, st
         environment = kind.environment(folder)
         for stage, tests in zip(("mirror", "others"), kind.stages(mutant), strict=True):
             if failure := first_failure(tests, environment):
-                return stage, failure
+                return ("invalid" if failure == _NO_PROGRAM else stage), failure
         if reason := argued.get(mutant.describe(source)):
             return "equivalent", reason
         if mutant.file.endswith(".v") and is_equivalent(mutant, folder):
@@ -316,7 +322,7 @@ def run(kind: Kind, count: int, seed: int, jobs: int) -> int:
     counts = dict.fromkeys(("mirror", "others", "equivalent", "SURVIVED"), 0)
     drawn = kind.draw(count, seed)
     with ThreadPoolExecutor(jobs) as pool:
-        while batch := [mutant for _, mutant in zip(range(count - sum(counts.values())), drawn, strict=False)]:
+        while batch := list(itertools.islice(drawn, count - sum(counts.values()))):
             for mutant, (fate, by) in zip(batch, pool.map(lambda one: verdict(kind, one, argued), batch), strict=True):
                 if fate != "invalid":
                     counts[fate] += 1
