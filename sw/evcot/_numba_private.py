@@ -82,7 +82,8 @@ with _as_if_missing(*_UNUSED), _extensions() if _ON_COMMAND_LINE else nullcontex
 
 __all__ = ["njit", "step", "trailing_zeros"]
 
-_INSIDE: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+# "numpy": a division by 0 gives inf or NaN and raises nothing, so that loops with divisions are vectorised.
+_INSIDE: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False, "error_model": "numpy"}
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 

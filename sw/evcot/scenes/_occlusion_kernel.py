@@ -162,33 +162,39 @@ def _cut(shape, number, box, ys, ends, stretches, counts):  # type: ignore[no-un
     """Append the interval in which a shape, of these bounds, covers each line to the `stretches` of that line. `ends`: work
     space."""
     first, past = _lines_between(ys, box[1], box[3])
-    for line in range(first, past):
-        ends[0, line], ends[1, line] = np.inf, -np.inf
+    low, high = ends[0], ends[1]
+    for line in range(np.uint64(first), np.uint64(past)):
+        low[line], high[line] = np.inf, -np.inf
     if shape[KIND] == DISC:
         for line in range(first, past):
             across = shape[X + 1] ** 2 - (ys[line] - shape[Y]) ** 2
             if across > 0 and box[1] <= ys[line] <= box[3]:
-                ends[0, line], ends[1, line] = shape[X] - np.sqrt(across), shape[X] + np.sqrt(across)
+                low[line], high[line] = shape[X] - np.sqrt(across), shape[X] + np.sqrt(across)
     else:
         for i in range(4):
             j = (i + 1) % 4
-            y0, y1 = shape[Y + i], shape[Y + j]
-            way = shape[X + j] - shape[X + i]
+            x0, y0, y1 = shape[X + i], shape[Y + i], shape[Y + j]
+            way = shape[X + j] - x0
             if y0 == y1:
                 continue
             begin, end = _lines_between(ys, min(y0, y1), max(y0, y1))
             for line in range(np.uint64(begin), np.uint64(end)):
                 y = ys[line]
-                crosses = (y0 <= y) != (y1 <= y)
-                x = shape[X + i] + (y - y0) / (y1 - y0) * way
-                low, high = min(ends[0, line], x), max(ends[1, line], x)
-                ends[0, line] = low if crosses else ends[0, line]
-                ends[1, line] = high if crosses else ends[1, line]
-    for line in range(first, past):
-        if ends[0, line] < ends[1, line]:
-            stretch = stretches[line, counts[line]]
-            stretch[0], stretch[1], stretch[2] = ends[0, line], ends[1, line], number
-            counts[line] += 1
+                crosses = (y0 <= y) ^ (y1 <= y)
+                x = x0 + (y - y0) / (y1 - y0) * way
+                least, most = min(low[line], x), max(high[line], x)
+                low[line] = least if crosses else low[line]
+                high[line] = most if crosses else high[line]
+    for line in range(np.uint64(first), np.uint64(past)):
+        begin, end, n = low[line], high[line], counts[line]
+        if n > 0:
+            last = stretches[line, n - 1]
+            if end <= last[1] and (begin > last[0] or (begin == last[0] and number > last[2])):
+                continue  # `_merge` would remove it
+        if begin < end:
+            stretch = stretches[line, n]
+            stretch[0], stretch[1], stretch[2] = begin, end, number
+            counts[line] = n + 1
 
 
 @step

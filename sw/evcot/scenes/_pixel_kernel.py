@@ -18,21 +18,21 @@ from ._logarithm import exponential, logarithm
 from ._order import KEY_T_SHIFT
 
 __all__ = [
-    "LOG_INTENSITY_MAX", "are_within", "begin", "levels_of", "most_events", "one_pixel", "pixel_events",
-    "quiet_bounds",
+    "AT_ONCE", "LOG_INTENSITY_MAX", "MEMORY", "NEVER", "OFF", "ON", "READY", "ROUNDING", "STATES", "are_within", "begin",
+    "levels_of", "longer", "one_pixel", "pixel_events", "quiet_bounds",
 ]  # fmt: skip
 
 NEVER = -np.inf  # in `ready`: the pixel is not in its refractory time
 LOG_INTENSITY_MAX = 100.0
 
-_ROUNDING = 1.0 - 1e-9  # tolerance for the rounding of a sum of steps towards a threshold
+ROUNDING = 1.0 - 1e-9  # tolerance for the rounding of a sum of steps towards a threshold
 _STRICTER = 1e-6, 2e-5  # how much inside linear bounds (relative), and logarithmic ones, are kept, which are float32
 _LIGHT_MAX = math.exp(LOG_INTENSITY_MAX) * (1 - _STRICTER[0])
 _LIGHT_MIN = math.exp(-LOG_INTENSITY_MAX) * (1 + _STRICTER[0])
 
-_MEMORY, _READY, _ON, _OFF = range(4)  # of `states`; those of one pixel lie in one line of the cache
-_STATES = 4
-_BATCH = 64  # pixels that are looked at more closely at once
+MEMORY, READY, ON, OFF = range(4)  # of `states`; those of one pixel lie in one line of the cache
+STATES = 4
+AT_ONCE = 64  # pixels whose memory is fetched in parallel
 
 
 @njit(cache=True, nogil=True)
@@ -62,51 +62,62 @@ def pixel_events(rectangles, frame, linear, pixels, head, own, from_us, span_us,
         low[y, x] = high[y, x] = np.inf
     keys, n = np.empty(256 + 2 * len(own), np.int64), 0
     restless = _restless(rectangles, frame, last, low, high)
-    levels = np.empty((_BATCH, 2))
-    for begin in range(0, len(restless), _BATCH):
-        batch = restless[begin : begin + _BATCH]
-        most, fault = _measure(batch, levels, frame, linear, last, states, len(own))
+    levels, known = np.empty((2, AT_ONCE)), np.empty((AT_ONCE, STATES))
+    for begin in range(0, len(restless), AT_ONCE):
+        some = restless[begin : begin + AT_ONCE]
+        fault = _measure(some, frame, linear, last, states, levels, known)
         if fault >= 0:
             return keys[:n], fault
-        if n + most > len(keys):
-            longer = np.empty(2 * (n + most), np.int64)
-            longer[:n] = keys[:n]
-            keys = longer
-        for i in range(len(batch)):
-            x, y, first = batch[i] >> 17, batch[i] >> 1 & 0xFFFF, -1
+        for i in range(len(some)):
+            x, y, first = some[i] >> 17, some[i] >> 1 & 0xFFFF, -1
             if high[y, x] == np.inf:
                 first, head[y, x] = head[y, x], -1
             if frame[y, x] == last[y, x] and first < 0:
                 continue
             last[y, x] = frame[y, x]
-            n, _ = one_pixel(
-                keys,
-                n,
-                x,
-                y,
-                levels[i, 0],
-                levels[i, 1],
-                states,
-                link,
-                first,
-                len(own),
-                own,
-                0,
-                from_us,
-                span_us,
-                refractory_us,
-            )
-            low[y, x], high[y, x] = quiet_bounds(states, y, x, linear)
+            now = first, levels[0, i], levels[1, i]
+            while True:
+                past = _move(keys, n, x, y, now, known[i], linear, pixels, link, own, from_us, span_us, refractory_us)
+                if past <= len(keys):
+                    break
+                keys = longer(keys, n, past)
+            n = past
     for i in range(len(own)):
         x, y = own[i].x, own[i].y
         if head[y, x] >= 0:
             level = _level(last[y, x], linear)
-            n, _ = one_pixel(
-                keys, n, x, y, level, level, states, link, head[y, x], len(own), own, 0, from_us, span_us, refractory_us
-            )
-            low[y, x], high[y, x] = quiet_bounds(states, y, x, linear)
-            head[y, x] = -1
+            now = head[y, x], level, level
+            while True:
+                past = _move(keys, n, x, y, now, states[y, x], linear, pixels, link, own, from_us, span_us, refractory_us)
+                if past <= len(keys):
+                    break
+                keys = longer(keys, n, past)
+            n, head[y, x] = past, -1
     return keys[:n], -1
+
+
+@step
+def _move(keys, n, x, y, now, state, linear, pixels, link, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
+    """Append the events of one pixel of this state. `now`: its first spontaneous event, and its log intensity before and after.
+    Updates `pixels` if the keys have room; returns the new count."""
+    (_, low, high, states), (first, before, after) = pixels, now
+    on, off = state[ON], state[OFF]
+    n, _, memory, ready = one_pixel(
+        keys, n, 0, x << 17 | y << 1, before, after, state[MEMORY], state[READY], on, off, link, first, len(own), own, from_us,
+        span_us, refractory_us,
+    )  # fmt: skip
+    if n <= len(keys):
+        states[y, x, MEMORY], states[y, x, READY] = memory, ready
+        low[y, x], high[y, x] = quiet_bounds(memory, ready, on, off, linear)
+    return n
+
+
+@njit(cache=True, nogil=True)
+def longer(keys, n, least):  # type: ignore[no-untyped-def]
+    """The first `n` keys, with room for at least so many."""
+    more = np.empty(2 * least, np.int64)
+    more[:n] = keys[:n]
+    return more
 
 
 @njit(cache=True, nogil=True)
@@ -138,28 +149,21 @@ def _scan(frame, last, low, high, y, left, right, found, n):  # type: ignore[no-
 
 
 @step
-def _measure(batch, levels, frame, linear, last, states, own):  # type: ignore[no-untyped-def]
-    """Write the log intensity before and after of each pixel; returns the most events that they can make together, and the
-    index of the first pixel whose log intensity is not allowed, else -1.
-
-    Pixels are independent here, so their memory is fetched in parallel.
-    """
-    most = 0
-    for i in range(len(batch)):
-        x, y = batch[i] >> 17, batch[i] >> 1 & 0xFFFF
-        before, after = _level(last[y, x], linear), _level(frame[y, x], linear)
-        if not abs(after) <= LOG_INTENSITY_MAX:
-            return most, y * frame.shape[1] + x
-        levels[i, 0], levels[i, 1] = before, after
-        most += most_events(states, y, x, abs(after - before), 1) + own
-    return most, -1
-
-
-@step
-def most_events(states, y, x, way, intervals):  # type: ignore[no-untyped-def]
-    """An upper bound for the events of a pixel, without spontaneous ones, whose log intensity goes a way in some intervals."""
-    on, off = states[y, x, _ON], states[y, x, _OFF]
-    return int((way + intervals * (on + off)) / min(on, off)) + 2 * intervals
+def _measure(some, frame, linear, last, states, levels, known):  # type: ignore[no-untyped-def]
+    """Write the log intensity before and after of some pixels, and their states; returns the index of the first whose log
+    intensity is not allowed, else -1. Pixels are independent here, so their memory is fetched in parallel."""
+    for i in range(np.uint64(len(some))):
+        x, y = np.uint64(some[i] >> 17), np.uint64(some[i] >> 1 & 0xFFFF)
+        levels[0, i], levels[1, i] = last[y, x], frame[y, x]
+        for j in range(STATES):
+            known[i, j] = states[y, x, j]
+    for row in range(2):
+        for i in range(np.uint64(len(some))):
+            levels[row, i] = _level(levels[row, i], linear)
+    for i in range(len(some)):
+        if not abs(levels[1, i]) <= LOG_INTENSITY_MAX:
+            return (some[i] >> 1 & 0xFFFF) * frame.shape[1] + (some[i] >> 17)
+    return -1
 
 
 @step
@@ -181,12 +185,11 @@ def levels_of(frame, linear):  # type: ignore[no-untyped-def]
 
 
 @step
-def quiet_bounds(states, y, x, linear):  # type: ignore[no-untyped-def]
+def quiet_bounds(memory, ready, on, off, linear):  # type: ignore[no-untyped-def]
     """The bounds within which a value of a frame makes no event; (inf, -inf) in the refractory time."""
-    if states[y, x, _READY] != NEVER:
+    if ready != NEVER:
         return np.inf, -np.inf
-    memory = states[y, x, _MEMORY]
-    low, high = memory - states[y, x, _OFF] * _ROUNDING, memory + states[y, x, _ON] * _ROUNDING
+    low, high = memory - off * ROUNDING, memory + on * ROUNDING
     if linear:
         return max(exponential(low) * (1 + _STRICTER[0]), _LIGHT_MIN), min(exponential(high) * (1 - _STRICTER[0]), _LIGHT_MAX)
     return max(low, -LOG_INTENSITY_MAX) + _STRICTER[1], min(high, LOG_INTENSITY_MAX) - _STRICTER[1]
@@ -198,24 +201,32 @@ def begin(frame, levels, linear, on, off):  # type: ignore[no-untyped-def]
     last frame; the bounds within which the next makes no event; stored log intensity, end of the refractory time (absolute) or
     `NEVER`, and thresholds."""
     low, high = np.empty(frame.shape, np.float32), np.empty(frame.shape, np.float32)
-    states = np.zeros((*frame.shape, _STATES))
+    states = np.zeros((*frame.shape, STATES))
     for y in range(frame.shape[0]):
         for x in range(frame.shape[1]):
             state = states[y, x]
-            state[_MEMORY], state[_READY], state[_ON], state[_OFF] = levels[y, x], NEVER, on[y, x], off[y, x]
-            low[y, x], high[y, x] = quiet_bounds(states, y, x, linear)
+            state[MEMORY], state[READY], state[ON], state[OFF] = levels[y, x], NEVER, on[y, x], off[y, x]
+            low[y, x], high[y, x] = quiet_bounds(levels[y, x], NEVER, on[y, x], off[y, x], linear)
     return frame.copy(), low, high, states
 
 
 @step
 def one_pixel(  # type: ignore[no-untyped-def]
-    keys, n, x, y, before, after, states, link, first, past, own, begin_us, from_us, span_us, refractory_us
+    keys, n, begin_us, address, before, after, memory, ready, on, off, link, first, past, own, from_us, span_us, refractory_us
 ):
-    """Append the events of one pixel, whose log intensity goes from `before` to `after`, and return the new count and its
-    next spontaneous event; `first` is its first one, or -1, and those from `past` on are later. `begin_us`: of the keys."""
-    memory, ready, on, off = states[y, x, _MEMORY], states[y, x, _READY] - from_us, states[y, x, _ON], states[y, x, _OFF]
-    slope = (after - before) / span_us
-    address = x << 17 | y << 1
+    """Append the events of one pixel, whose log intensity goes from `before` to `after` in the `span_us` after `from_us`.
+
+    Args:
+        keys: of the events, of which there are `n`; those that have no room are only counted.
+        begin_us, address: of the keys: time of the begin, and x << 17 | y << 1.
+        memory, ready, on, off: its state, see `begin`.
+        first, past: the pixel's next spontaneous event, or -1; those from `past` on are later.
+
+    Returns:
+        The new count, and the new `first`, stored log intensity and end of the refractory time.
+    """
+    ready -= from_us
+    slope, address = (after - before) / span_us, begin_us << KEY_T_SHIFT | address
     now = 0.0
     i = first
     while True:
@@ -229,27 +240,32 @@ def one_pixel(  # type: ignore[no-untyped-def]
                 memory = before + slope * max(ready, 0.0)
                 now = max(now, ready)
                 ready = NEVER
-            if level - memory >= on * _ROUNDING:
+            if level - memory >= on * ROUNDING:
                 p, memory = 1, memory + on
-            elif memory - level >= off * _ROUNDING:
+            elif memory - level >= off * ROUNDING:
                 p, memory = 0, memory - off
             else:
                 break
             if slope != 0.0:
                 now = min(max((memory - before) / slope, now), until)
-            keys[n] = (begin_us + int(now + 0.5)) << KEY_T_SHIFT | address | p
-            n += 1
+            n = _append(keys, n, now, address | p)
             if refractory_us > 0:
                 ready = now + refractory_us
         if not due:
             break
         now = until
         if ready == NEVER:
-            keys[n] = (begin_us + int(now + 0.5)) << KEY_T_SHIFT | address | own[i].p
-            n += 1
+            n = _append(keys, n, now, address | own[i].p)
             memory = level
             if refractory_us > 0:
                 ready = now + refractory_us
         i = link[i]
-    states[y, x, _MEMORY], states[y, x, _READY] = memory, ready + from_us
-    return n, i
+    return n, i, memory, ready + from_us
+
+
+@step
+def _append(keys, n, now_us, key):  # type: ignore[no-untyped-def]
+    """Append a key, which is later by some time; returns the new count."""
+    if n < len(keys):
+        keys[n] = (int(now_us + 0.5) << KEY_T_SHIFT) + key
+    return n + 1

@@ -240,7 +240,7 @@ def _blend_disc(shape, picture, first_x, first_y, past_x, past_y):  # type: igno
             across = x - shape[X]
             part = 1.0
             if across * across + down * down >= inside:
-                part = min(max(radius - np.hypot(across, down) + 0.5, 0.0), 1.0)
+                part = min(max(radius - np.sqrt(across * across + down * down) + 0.5, 0.0), 1.0)
             picture[y, x] = blended(picture[y, x], part, light)
 
 
@@ -337,7 +337,7 @@ def edges_of(shape, edges):  # type: ignore[no-untyped-def]
     for i in range(4):
         j = (i + 1) % 4
         dx, dy = shape[X + j] - shape[X + i], shape[Y + j] - shape[Y + i]
-        length = np.hypot(dx, dy)
+        length = np.sqrt(dx * dx + dy * dy)
         if length < 1e-9:
             edges[i, 0], edges[i, 1], edges[i, 2] = 0.0, 0.0, 1.0  # a degenerate edge clips nothing
             continue

@@ -27,7 +27,7 @@ MARGIN_PX = 16  # of a background, on every side: limit of camera shake
 _MOVE_PX = 0.5  # maximum displacement between two frames
 _AIM = 0.9  # fraction of that to aim for, so that a step rarely has to be repeated
 _STEP_MAX_US = 5_000
-_BATCH = 32  # frames whose events are computed at once
+_BATCH = 31  # frames whose events are computed at once: with the one before, a multiple of a vector's length
 _AT_ONCE = 100  # samples of the truth
 
 STAGE_RANGES: dict[str, Range] = {
