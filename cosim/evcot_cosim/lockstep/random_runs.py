@@ -176,7 +176,7 @@ def random_run(shape: Shape, module: Module, seed: int, events: int, model: Buil
 
 
 def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
-    """The same for cot_motion, on outlines three times in four.
+    """The same for cot_motion, on outlines three times in four, with events in bursts of one tick every fourth time.
 
     Raises:
         MismatchError: they differ.
@@ -184,6 +184,9 @@ def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | 
     rng = np.random.default_rng(seed)
     config = random_motion(rng, shape)
     traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
+    if rng.random() < 0.25:
+        period = int(rng.integers(2, 1_000))
+        traffic = replace(traffic, ticks=traffic.ticks // period * period)
     return _run(rng, config, traffic, seed, model)
 
 
