@@ -177,9 +177,12 @@ def random_run(shape: Shape, module: Module, seed: int, events: int, model: Buil
 
 
 def random_motion_traffic(rng: np.random.Generator, shape: Shape, events: int) -> TickedEvents:
-    """Outlines three times in four, else bursts and noise; every fourth time, events of a period all come at one tick."""
+    """Outlines three times in four, else bursts and noise; every fourth time, events of a period all come at one tick.
+
+    From one period to the next, no tokens without an event are needed: a commit between such tokens has no place among events.
+    """
     traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
-    period = int(rng.integers(2, 1_000)) if rng.random() < 0.25 else 1
+    period = int(rng.integers(1, min(1_000, 1 << shape.tick_w))) if rng.random() < 0.25 else 1
     return replace(traffic, ticks=traffic.ticks // period * period)
 
 
