@@ -7,9 +7,10 @@ python benchmarks/soak.py --events 20000000 --output soak.json  # and seed, shap
 python benchmarks/soak.py --seed 3 --run 9 --length 89188   # one run again, of so many events
 
 A run has a shape of 1 to 64 slots, in some of which numbers of tracks, events and support wrap, and draws registers over their
-whole legal ranges, outlines of boxes that meet and hide each other, or bursts and noise, and stalls. Every second run is of
-`evcot_top`, with a change of registers every 400 events or so; the others are of the array alone, which is faster. A run has as
-many events as take about --seconds, and says how many. The first difference ends the program with exit code 1.
+whole legal ranges, outlines of boxes that meet and hide each other, or bursts and noise, and stalls. In every fourth run,
+events of a period all come at one tick. Every second run is of `evcot_top`, with a change of registers every 400 events or so;
+the others are of the array alone, which is faster. A run has as many events as take about --seconds, and says how many. The
+first difference ends the program with exit code 1.
 """
 
 from __future__ import annotations
@@ -38,12 +39,10 @@ from evcot_cosim.devices.top_device import Pace, TopDevice
 from evcot_cosim.lockstep.mismatch import MismatchError
 from evcot_cosim.lockstep.random_runs import (
     ALONE,
-    RATES,
     Rewritten,
     random_motion,
     random_motion_run,
-    random_outlines,
-    random_traffic,
+    random_motion_traffic,
     rewritten,
 )
 
@@ -162,7 +161,7 @@ def _in_top(task: _Task, events: int) -> tuple[_Done, float]:
     sensor = FilterShape(1 << shape.x_w, 1 << shape.y_w)  # of filters that are not there
     config = replace(random_motion(rng, shape), filter_shape=sensor)
     waits = replace(shape, tc_w=min(shape.tc_w, _WAIT_LOG2))
-    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, waits, events, float(rng.choice(RATES)))
+    traffic = random_motion_traffic(rng, waits, events)
     device = TopDevice(config, {"FIFO_DEPTH": 16, "RECORD_DEPTH": 3}, pace=Pace.random(rng) if rng.random() < 0.75 else None)
     began = time.monotonic()
     try:

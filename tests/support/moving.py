@@ -50,8 +50,12 @@ VARIANTS = {
 }
 
 
-def scene(seed: int, n: int = 6_000) -> TickedEvents:
-    """Outlines of some boxes that bounce, of every size and speed, with noise, pauses and a hot pixel."""
+def scene(seed: int, n: int = 6_000, period: int = 1) -> TickedEvents:
+    """Outlines of some boxes that bounce, of every size and speed, with noise, pauses and a hot pixel.
+
+    Args:
+        period: ticks whose events all come at one tick.
+    """
     random = np.random.default_rng(seed)
     ticks = np.cumsum(random.integers(0, 5, n) + np.where(random.random(n) < 0.002, 1_500, 0))
     count = 4
@@ -67,4 +71,4 @@ def scene(seed: int, n: int = 6_000) -> TickedEvents:
     place[:, noise] = random.uniform(0, 1, (2, np.count_nonzero(noise))) * [[127], [63]]
     place[:, random.random(n) < 0.02] = [[100], [10]]
     x, y = np.clip(np.rint(place), 0, [[127], [63]]).astype(np.uint16)
-    return TickedEvents(ticks.astype(np.int64), x, y, np.zeros(n, np.uint8))
+    return TickedEvents((ticks // period * period).astype(np.int64), x, y, np.zeros(n, np.uint8))

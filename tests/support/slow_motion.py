@@ -247,7 +247,7 @@ class Slot:
         self.count += 1
         return self.count >= self.n_ev
 
-    def correct(self, now: int, counted: int | None = None) -> None:
+    def correct(self, now: int, counted: int | None = None, in_burst: bool = False) -> None:
         r = self.r
         self.count = 0
         for axis, seen in zip(self.axes, self.seen, strict=True):
@@ -262,16 +262,19 @@ class Slot:
         ticks = min(max(now - self.last, 1), 2**24 - 1)
         for axis in self.axes:
             if self.corrections >= 2 and ticks > 1:
-                way = axis.common(self.corrections < r.settle)
+                way = axis.common(self.corrections < r.settle and not in_burst)
                 axis.go(way)
-                gain = min(1 + self.corrections // 2**r.gain_slow, r.gain_log2)
+                gain = 1 if in_burst else min(1 + self.corrections // 2**r.gain_slow, r.gain_log2)
                 if self.meets:
                     gain += 1
+                elif in_burst:
+                    gain -= len(axis.ways) >= 3
                 elif r.gain_fast and gain > r.gain_fast:
                     gain = max(gain - max(min(len(axis.ways), 7) - 2, 0), r.gain_fast)
                 change = divided(way, r.step_log2 - 1 - gain, ticks)
                 axis.v = max(-r.speed_max, min(r.speed_max, axis.v + change))
-            axis.off = [0, 0]
+            if ticks > 1:
+                axis.off = [0, 0]
         if self.corrections == 0:
             self.usual = ticks
         elif ticks > 1:
@@ -438,12 +441,12 @@ class SlowArray:
         if slot is None and self.seeded is None:
             slot = self._seed((x, y), now)
         elif slot is not None and slot.take((x, y), shared, self.support_max, in_burst):
-            self._job("correction", slot, now)
+            self._job("correction", slot, now, in_burst)
         self.owners.append(-1 if slot is None else slot.number)
 
-    def _job(self, kind: str, slot: Slot, now: int) -> None:
+    def _job(self, kind: str, slot: Slot, now: int, in_burst: bool = False) -> None:
         """What an event or a motion step causes; nothing of a slot that another one's step has ended, but that it waits."""
-        job = self._cause(kind, slot, now)
+        job = self._cause(kind, slot, now) | {"in_burst": in_burst}
         if kind == "correction" or slot.due is None:
             slot.wait(len(self.owners), now)
         slot.corrects = slot.corrects or kind == "correction"
@@ -453,7 +456,7 @@ class SlowArray:
             living = [other for other in self.slots if other is not None and not other.free]
             slot.begin(self.support_max)
             if kind == "correction":
-                slot.correct(now, now - self.paused)
+                slot.correct(now, now - self.paused, in_burst)
                 if slot.visible:
                     self._record(slot, Kind.MOVED, now)
             elif kind == "step":
@@ -473,6 +476,7 @@ class SlowArray:
             "sides": [side for seen in slot.seen for side in (seen.lo, seen.hi)],
             "marks": [mark for seen in slot.seen for mark in seen.beyond],
             "owned": slot.owned,
+            "in_burst": False,
         }
 
     def _effect(self, slot: Slot, void: bool, ended: list[int]) -> dict[str, Any]:

@@ -38,6 +38,7 @@ __all__ = [
     "random_config",
     "random_motion",
     "random_motion_run",
+    "random_motion_traffic",
     "random_outlines",
     "random_run",
     "random_traffic",
@@ -175,16 +176,25 @@ def random_run(shape: Shape, module: Module, seed: int, events: int, model: Buil
     return _run(rng, config, random_traffic(rng, shape, events, float(rng.choice(RATES))), seed, model)
 
 
+def random_motion_traffic(rng: np.random.Generator, shape: Shape, events: int) -> TickedEvents:
+    """Outlines three times in four, else bursts and noise; every fourth time, events of a period all come at one tick.
+
+    From one period to the next, no tokens without an event are needed: a commit between such tokens has no place among events.
+    """
+    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
+    period = int(rng.integers(1, min(1_000, 1 << shape.tick_w))) if rng.random() < 0.25 else 1
+    return replace(traffic, ticks=traffic.ticks // period * period)
+
+
 def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
-    """The same for cot_motion, on outlines three times in four.
+    """The same for cot_motion, on `random_motion_traffic`.
 
     Raises:
         MismatchError: they differ.
     """
     rng = np.random.default_rng(seed)
     config = random_motion(rng, shape)
-    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
-    return _run(rng, config, traffic, seed, model)
+    return _run(rng, config, random_motion_traffic(rng, shape, events), seed, model)
 
 
 def _run(

@@ -19,7 +19,7 @@ from .spinner import Counting
 
 __all__ = ["run"]
 
-_SIZES_PER_BURST = 1 / 5  # that an object may move; see docs/recordings.md, measured in tests/sw/trackers/test_engines.py
+_SIZES_PER_BURST = 1 / 3  # that an object may move; see docs/recordings.md, measured in tests/sw/trackers/test_engines.py
 
 
 _EARLIEST_DATE_US = 946_684_800_000_000  # times from the year 2000 on are dates; smaller ones count from some start

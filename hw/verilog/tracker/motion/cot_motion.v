@@ -270,6 +270,7 @@ module cot_motion #(
     wire [4*SIDE_W-1:0] j_sides;
     wire [3:0]          j_marks;
     wire [SUP_W-1:0]    j_owned;
+    wire                j_burst;
     wire [1:0]          e_state;
     wire [4*SIDE_W-1:0] e_moves;
     wire [3:0]          e_marks, e_hidden;
@@ -349,6 +350,7 @@ module cot_motion #(
         .j_sides    (j_sides),
         .j_marks    (j_marks),
         .j_owned    (j_owned),
+        .j_burst    (j_burst),
         .bin_count  (bin_count),
         .bin_clear  (bin_clear),
         .bin_slot   (bin_slot),
@@ -361,7 +363,7 @@ module cot_motion #(
 
     // ---- jobs ----------------------------------------------------------------------------------------------------------
 
-    wire                job_valid, job_done, job_real, job_pauses, job_waits, finish, ends;
+    wire                job_valid, job_done, job_real, job_flag, job_waits, finish, ends;
     wire [1:0]          job_kind;
     wire [X_W-1:0]      job_x;
     wire [Y_W-1:0]      job_y;
@@ -386,7 +388,7 @@ module cot_motion #(
         .rst       (rst),
         .j_valid   (j_valid),
         .j_real    (!j_kind[1] || step_real),
-        .j_pauses  (j_kind[1] && step_pauses),
+        .j_flag    (j_kind[1] ? step_pauses : j_burst),
         .j_kind    (j_kind | {1'b0, j_kind[1] && step_ends}),
         .j_slot    (d_slot),
         .j_x       (d_x),
@@ -400,7 +402,7 @@ module cot_motion #(
         .job_valid (job_valid),
         .job_done  (job_done),
         .job_real  (job_real),
-        .job_pauses(job_pauses),
+        .job_flag  (job_flag),
         .job_kind  (job_kind),
         .job_slot  (job_slot),
         .job_waits (job_waits),
@@ -489,7 +491,7 @@ module cot_motion #(
         .job_valid      (job_valid),
         .job_done       (job_done),
         .job_real       (job_real),
-        .job_pauses     (job_pauses),
+        .job_flag       (job_flag),
         .job_kind       (job_kind),
         .job_slot       (job_slot),
         .job_waits      (job_waits),

@@ -55,6 +55,7 @@ module motion_correct #(
     output reg               c_cut_low,
     output reg               c_order,
     output reg               c_offset,
+    output reg               c_reflect,    // places in place of offsets, which stay
     output reg               c_settle,
     output reg               c_inverse,
     output reg               c_speed,
@@ -123,7 +124,7 @@ module motion_correct #(
     endfunction
 
     always @(posedge clk) begin
-        {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset, c_settle, c_inverse, c_speed} <= 9'd0;
+        {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset, c_reflect, c_settle, c_inverse, c_speed} <= 10'd0;
         {c_times, c_count, c_bins, c_window, c_note, look} <= 6'd0;
         {keep, keep_now, keep_until, keep_window, keep_start, say} <= 6'd0;
         lane_next <= lane;
@@ -243,10 +244,11 @@ module motion_correct #(
 
             SPEED:
             if (may_turn) begin
-                c_speed  <= turns;
-                c_settle <= 1'b1;
-                c_times  <= 1'b1;
-                pause    <= turns ? clocks(3'd7) : clocks(3'd2);
+                c_speed   <= turns;
+                c_settle  <= !instant;
+                c_reflect <= instant;
+                c_times   <= 1'b1;
+                pause     <= turns ? clocks(3'd7) : clocks(3'd2);
                 state    <= TURN;
             end
             TURN: begin

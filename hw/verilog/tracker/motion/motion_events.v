@@ -98,6 +98,7 @@ module motion_events #(
     output wire [4*SIDE_W-1:0] j_sides,   // behind the event; of a seed 0
     output wire [3:0]        j_marks,
     output reg  [SUP_W-1:0]  j_owned,     // events owned since the last job
+    output reg               j_burst,     // the event is within a burst
 
     // to the bins
     output reg               bin_count,
@@ -132,7 +133,7 @@ module motion_events #(
     // ---- stages 1 to 4: whose is it? -----------------------------------------------------------------------------------
 
     reg  [6:1]         valid;            // a token
-    reg  [5:1]         burst;            // its event is within a burst
+    reg  [6:1]         burst;            // its event is within a burst
     reg  [TOKEN_W-1:0] token_1, token_2, token_3, token_4, token_5, token_6;
     reg  [2:0]         op_1, op_2, op_3, op_4, op_5, op_6;  // clear, effect, step
     reg  [6:2]         ops;              // one of them
@@ -196,7 +197,7 @@ module motion_events #(
 
     always @(posedge clk) begin
         valid     <= {valid[5:1], s_valid};
-        burst     <= {burst[4:1], s_burst};
+        burst     <= {burst[5:1], s_burst};
         token_1   <= {s_time, s_event, s_skip, s_x, s_y, s_p};
         token_2   <= token_1;
         token_3   <= token_2;
@@ -314,6 +315,7 @@ module motion_events #(
         j_valid    <= corrects_6 || seeds_6 || op_6[0];
         j_kind     <= {op_6[0], seeds_6};
         j_owned    <= op_6[0] ? owned_6 : owned_next;
+        j_burst    <= burst[6];
         if (rst) begin
             {takes, measures, updates, begins_6, own_6, acts_6} <= 6'd0;
             corrects <= {N{1'b0}};

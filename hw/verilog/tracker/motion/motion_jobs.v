@@ -36,7 +36,7 @@ module motion_jobs #(
     // a job
     input  wire                j_valid,
     input  wire                j_real,     // else it only says that a period was empty
-    input  wire                j_pauses,   // a period was empty
+    input  wire                j_flag,     // of a correction: its event is within a burst; of a step: a period was empty
     input  wire [1:0]          j_kind,     // 0 a correction, 1 a seed, 2 a step, 3 the end of a life
     input  wire [SLOT_W-1:0]   j_slot,
     input  wire [X_W-1:0]      j_x,        // of a seed
@@ -52,7 +52,7 @@ module motion_jobs #(
     output reg                 job_valid,
     input  wire                job_done,
     output wire                job_real,
-    output wire                job_pauses,
+    output wire                job_flag,
     output wire [1:0]          job_kind,
     output wire [SLOT_W-1:0]   job_slot,
     output wire                job_waits,  // the slot waited already
@@ -144,11 +144,11 @@ module motion_jobs #(
         .clk          (clk),
         .write        (j_valid),
         .write_address(tail[DEPTH_W-1:0]),
-        .write_data   ({j_real, j_pauses, j_kind, j_slot, waits[j_slot], j_x, j_y, j_sides, j_marks, j_owned, j_seq[SEQ_LOW-1:0], j_time[TIME_LOW-1:0]}),
+        .write_data   ({j_real, j_flag, j_kind, j_slot, waits[j_slot], j_x, j_y, j_sides, j_marks, j_owned, j_seq[SEQ_LOW-1:0], j_time[TIME_LOW-1:0]}),
         .read_enable  (reads),
         .read_address (following[DEPTH_W-1:0]),
         .out_enable   (gives),
-        .read_data    ({job_real, job_pauses, job_kind, job_slot, job_waits, job_x, job_y, job_sides, job_marks, job_owned, seq_low, time_low})
+        .read_data    ({job_real, job_flag, job_kind, job_slot, job_waits, job_x, job_y, job_sides, job_marks, job_owned, seq_low, time_low})
     );
 
     block_memory #(

@@ -143,7 +143,7 @@ module motion_order #(
 
     // Names of motion_correct.v begin with k_, of motion_step.v with s_, of motion_merge.v with m_.
     wire              k_rests, k_done, k_load, k_seed, k_shrink, k_cut_high, k_cut_low, k_order;
-    wire              k_offset, k_settle, k_inverse, k_speed, k_times, k_count, k_bins, k_window, k_note, k_say;
+    wire              k_offset, k_reflect, k_settle, k_inverse, k_speed, k_times, k_count, k_bins, k_window, k_note, k_say;
     wire              k_keep, k_keep_now, k_keep_until, k_keep_window, k_keep_start;
     wire              s_rests, s_done, s_fetch, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
     wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
@@ -180,7 +180,7 @@ module motion_order #(
     assign cut_low      = k_cut_low;
     assign order        = k_order;
     assign offset       = k_offset;
-    assign reflect      = k_offset || s_reflect || m_reflect;
+    assign reflect      = k_offset || k_reflect || s_reflect || m_reflect;
     assign settle       = k_settle || m_settle;
     assign cover_both   = m_cover;
     assign move         = s_move;
@@ -269,6 +269,7 @@ module motion_order #(
         .c_cut_low   (k_cut_low),
         .c_order     (k_order),
         .c_offset    (k_offset),
+        .c_reflect   (k_reflect),
         .c_settle    (k_settle),
         .c_inverse   (k_inverse),
         .c_speed     (k_speed),

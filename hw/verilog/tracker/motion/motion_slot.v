@@ -65,6 +65,7 @@ module motion_slot #(
     input  wire [SIDE_W:0]     start,        // sum of both sides
     input  wire [9:0]          nev_low,
     input  wire [9:0]          nev_high,
+    input  wire                burst,        // of a correction: its event is within a burst
     input  wire [3:0]          gain_log2,
     input  wire [2:0]          gain_slow,
     input  wire [3:0]          gain_fast,
@@ -211,9 +212,9 @@ module motion_slot #(
 
     always @(posedge clk) begin
         slow     <= corrections >> gain_slow;
-        least_gain <= slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
+        least_gain <= burst ? 4'd1 : slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
         gain     <= least_gain + {3'd0, meets};
-        room     <= meets || gain_fast == 4'd0 || least_gain < gain_fast ? 4'd0 : least_gain - gain_fast;
+        room     <= meets ? 4'd0 : burst ? 4'd1 : gain_fast == 4'd0 || least_gain < gain_fast ? 4'd0 : least_gain - gain_fast;
         look_due <= gap_corrections != 8'd0 && (merged || {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections});
         next_log2 <= {log2_of(length_y), log2_of(length_x)};
         outline  <= {1'b0, length_x} + {1'b0, length_y};

@@ -33,7 +33,7 @@ module motion_work #(
     input  wire                job_valid,
     output wire                job_done,
     input  wire                job_real,
-    input  wire                job_pauses,
+    input  wire                job_flag,      // of a correction: its event is within a burst; of a step: a period was empty
     input  wire [1:0]          job_kind,
     input  wire [SLOT_W-1:0]   job_slot,
     input  wire                job_waits,
@@ -129,7 +129,7 @@ module motion_work #(
         keeps_start <= c_keep_start;
         may_return <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         resting    <= v == 32'd0;
-        if (begun && job_pauses) paused <= paused + ({{(TIME_W - 1) {1'b0}}, 1'b1} << regs[`MOTION_STEP_LOG2]);
+        if (begun && job_flag && job_kind[1]) paused <= paused + ({{(TIME_W - 1) {1'b0}}, 1'b1} << regs[`MOTION_STEP_LOG2]);
         counted    <= job_time - paused;
         if (rst) begin
             paused  <= {TIME_W{1'b0}};
@@ -454,6 +454,7 @@ module motion_work #(
         .start          (sum_lane),
         .nev_low        (regs[`MOTION_NEV_LOW]),
         .nev_high       (regs[`MOTION_NEV_HIGH]),
+        .burst          (job_flag),
         .gain_log2      (regs[`MOTION_GAIN_LOG2]),
         .gain_slow      (regs[`MOTION_GAIN_SLOW]),
         .gain_fast      (regs[`MOTION_GAIN_FAST]),
@@ -579,7 +580,7 @@ module motion_work #(
         .start    (c_speed),
         .low      (ref_lo),
         .high     (ref_hi),
-        .slower   (corrections < regs[`MOTION_SETTLE]),
+        .slower   (corrections < regs[`MOTION_SETTLE] && !job_flag),
         .leading  (leading),
         .inverse  (inverse),
         .gain     (gain),

@@ -375,7 +375,7 @@ def _seed(s: Table, r: Table, glob: Table, places: Table, i: int, x: int, y: int
 
 
 @step
-def _correct(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
+def _correct(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, in_burst: bool, out: Table, n: int) -> int:
     """An event completes a window of slot i; returns the new number of records."""
     s[i, CORRECTS] = 1
     _wait(s, glob, i, now)
@@ -385,7 +385,7 @@ def _correct(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out:
     s[i, BEYOND] = s[i, EV_BEYOND]
     s[i, EV_BEYOND] = 0
     s[i, EV_COUNT] = 0
-    correct(s, r, i, now, now - glob[PAUSED])
+    correct(s, r, i, now, now - glob[PAUSED], in_burst)
     _finish(s, i)
     return record(s, i, MOVED, glob[SEQ], now, 0, out, n) if s[i, STATE] == VISIBLE else n
 
@@ -429,7 +429,7 @@ def feed(
             rel_x[e] = (2 * x - s[i, EV_BOX_LO_X] - s[i, EV_BOX_HI_X]) & lim[REL_MASK]
             rel_y[e] = (2 * y - s[i, EV_BOX_LO_Y] - s[i, EV_BOX_HI_Y]) & lim[REL_MASK]
             if _take(s, r, lim, i, x, y, shared, in_burst):
-                n = _correct(s, r, lim, glob, i, now, out, n)
+                n = _correct(s, r, lim, glob, i, now, in_burst, out, n)
         elif i >= 0 and glob[SEEDING] < 0:
             _seed(s, r, glob, places, i, x, y, now)
             owner[e] = i  # it is the middle of the candidate's box

@@ -131,11 +131,11 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int, counted: int) -> 
 
 
 @step
-def correct(s: Table, r: Table, i: int, now: int, counted: int) -> None:
+def correct(s: Table, r: Table, i: int, now: int, counted: int, in_burst: bool) -> None:
     """After a window of N_ev events: sides, velocity, lifetime, the next N_ev, and the next window."""
     shrink(s, r, i)
     look_for_gaps(s, r, i)
-    correct_velocity(s, r, i, now)
+    correct_velocity(s, r, i, now, in_burst)
     s[i, CORRECTIONS] = min(s[i, CORRECTIONS] + 1, CORRECTIONS_MAX)
     if s[i, CORRECTIONS] == MOVES_FROM:
         s[i, FROM_X] = s[i, LO_X] + s[i, HI_X]

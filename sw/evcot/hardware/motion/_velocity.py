@@ -91,40 +91,47 @@ def _run(run: int, way: int) -> int:
 
 
 @step
-def gain_log2(s: Table, r: Table, i: int, done: int, run: int) -> int:
+def gain_log2(s: Table, r: Table, i: int, done: int, run: int, in_burst: bool) -> int:
     """The gain of an axis, as -log2: it falls with the number of corrections, and rises while these agree in direction.
 
-    While the slot meets another, its events may be the other's: the gain is halved, and does not rise.
+    While the slot meets another, its events may be the other's: the gain is halved, and does not rise. Within a burst, the gain
+    is 1/2, or 1 while corrections agree.
     """
-    gain = min(1 + (done >> r[GAIN_SLOW]), r[GAIN_LOG2])
+    gain = 1 if in_burst else min(1 + (done >> r[GAIN_SLOW]), r[GAIN_LOG2])
     if s[i, MEETS]:
         return int(gain + 1)
+    if in_burst:
+        return 0 if abs(run) > RUN_FROM else 1
     if r[GAIN_FAST] == 0:
         return int(gain)
     return int(max(gain - max(abs(run) - RUN_FROM, 0), min(gain, r[GAIN_FAST])))
 
 
 @step
-def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
-    """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity."""
+def correct_velocity(s: Table, r: Table, i: int, now: int, in_burst: bool) -> None:
+    """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity.
+
+    The movement that a second correction within a burst finds stays for the next burst.
+    """
     ticks = min(max(now - s[i, LAST], 1), TICKS_MAX)
     done = s[i, CORRECTIONS]
     if done >= 2 and ticks > 1:
-        slower = done < r[SETTLE]
+        slower = done < r[SETTLE] and not in_burst
         d_x = _common(s[i, OFF_LO_X], s[i, OFF_HI_X], slower)
         d_y = _common(s[i, OFF_LO_Y], s[i, OFF_HI_Y], slower)
         s[i, RUN_X] = _run(s[i, RUN_X], d_x)
         s[i, RUN_Y] = _run(s[i, RUN_Y], d_y)
         shift = r[STEP_LOG2] - 1
         most = r[SPEED_MAX]
-        v_x = s[i, V_X] + over(d_x, ticks, shift - gain_log2(s, r, i, done, s[i, RUN_X]))
-        v_y = s[i, V_Y] + over(d_y, ticks, shift - gain_log2(s, r, i, done, s[i, RUN_Y]))
+        v_x = s[i, V_X] + over(d_x, ticks, shift - gain_log2(s, r, i, done, s[i, RUN_X], in_burst))
+        v_y = s[i, V_Y] + over(d_y, ticks, shift - gain_log2(s, r, i, done, s[i, RUN_Y], in_burst))
         s[i, V_X] = max(-most, min(most, v_x))
         s[i, V_Y] = max(-most, min(most, v_y))
-    s[i, OFF_LO_X] = 0
-    s[i, OFF_HI_X] = 0
-    s[i, OFF_LO_Y] = 0
-    s[i, OFF_HI_Y] = 0
+    if ticks > 1:
+        s[i, OFF_LO_X] = 0
+        s[i, OFF_HI_X] = 0
+        s[i, OFF_LO_Y] = 0
+        s[i, OFF_HI_Y] = 0
     if done == 0:
         s[i, USUAL] = ticks
     elif ticks > 1:

@@ -67,6 +67,13 @@ def test_objects_whose_events_come_in_bursts(step_ms: int) -> None:
     assert (np.count_nonzero(model.records["kind"] == Kind.BORN) >= 2) == (step_ms <= 100)
 
 
+@pytest.mark.parametrize("period", [60, 1_000])
+def test_slots_that_are_corrected_more_than_once_in_a_burst(period: int) -> None:
+    for name in ("quick", "quick turns", "everything is born"):
+        config, events = MotionConfig(SHAPE, replace(QUICK, **VARIANTS[name])), scene(5, period=period)
+        equal(bare_device(config).stream(events), MotionModel(config).feed(events))
+
+
 def test_stalls_change_nothing() -> None:
     config = MotionConfig(SHAPE, QUICK)
     plain = bare_device(config).stream(scene(3))

@@ -17,7 +17,7 @@ SLOT_W = 3
 LAST, UNTIL, SEEDED, REPORTED = range(4)
 JOBS = 1  # seed of jobs among which each axis is cut at either side
 LOOK = 47  # clocks of a look at an axis: motion_gaps.v
-TO_SIDES = ("c_seed", "c_shrink", "c_cut_high", "c_cut_low", "c_order", "c_offset", "c_settle")
+TO_SIDES = ("c_seed", "c_shrink", "c_cut_high", "c_cut_low", "c_order", "c_offset", "c_reflect", "c_settle")
 COMMANDS = (*TO_SIDES, "c_speed", "c_times", "c_count", "c_bins", "c_window", "look", "keep", "keep_window", "keep_start")
 
 
@@ -70,7 +70,7 @@ def work_of(job: Job) -> list[str]:
         said += ["c_bins"]
     turns = job.corrections >= 2 and not job.instant
     said += [
-        "c_settle",
+        "c_reflect" if job.instant else "c_settle",
         *["c_speed"] * turns,
         "c_times",
         "c_count",

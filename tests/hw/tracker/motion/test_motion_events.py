@@ -149,7 +149,7 @@ class Events:
             numbers = [(at - start) // axis.bin_px for axis, at, start in zip(slot.axes, place, starts, strict=True)]
             self.expect(BINS, "bins", (slot.number, *(number if 0 <= number < 16 else None for number in numbers)))
         if corrects:
-            self.job(slot, CORRECTION)
+            self.job(slot, CORRECTION, j_burst=int(in_burst))
             slot.count, slot.corrects = 0, True
             for seen in slot.seen:
                 seen.beyond = [False, False]
@@ -175,10 +175,10 @@ class Events:
         self.expect_corrects()
         return {"owned": 1, "slot": slot.number, "rel_x": 0, "rel_y": 0}
 
-    def job(self, slot: Slot, kind: int) -> None:
+    def job(self, slot: Slot, kind: int, **more: int) -> None:
         sides = packed([side for seen in slot.seen for side in (seen.lo, seen.hi)], SIDE_W)
         job = {"j_sides": sides, "j_marks": bits_of(slot.seen, "beyond"), "j_owned": slot.owned, "d_slot": slot.number}
-        self.expect(TOKEN, "job", job | {"j_kind": kind})
+        self.expect(TOKEN, "job", job | {"j_kind": kind} | more)
         self.count("most" if slot.owned == MOST else "job")
         slot.owned = 0
 

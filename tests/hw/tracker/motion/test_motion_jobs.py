@@ -16,7 +16,7 @@ WIDTHS = {
     "N": N, "SLOT_W": SLOT_W, "X_W": X_W, "Y_W": Y_W, "SIDE_W": SIDE_W, "SUP_W": SUP_W, "SEQ_W": SEQ_W, "TIME_W": TIME_W,
     "DUE_W": DUE_W,
 }  # fmt: skip
-FIELDS = {"pauses": 1, "x": X_W, "y": Y_W, "sides": 4 * SIDE_W, "marks": 4, "owned": SUP_W}  # nothing looks into these
+FIELDS = {"flag": 1, "x": X_W, "y": Y_W, "sides": 4 * SIDE_W, "marks": 4, "owned": SUP_W}  # nothing looks into these
 CORRECTION, SEED, STEP, END = range(4)
 LATER, LATER_TICKS, MOST, UNDER_WAY = 64, 256, 112, 12
 LATENCY, NEXT = 3, 1  # clocks until a job comes, and the next one

@@ -93,11 +93,12 @@ def test_the_lives_of_two_slots(stalls: bool, returns: bool) -> None:
         assert {at for _, at, *_ in said} == {slot}
         assert (int(io.at), int(io.state)) == (slot, CANDIDATE)
         for corrections in range(4):
+            io.instant = int(corrections == 1)
             said = order.job(CORRECTION, slot, corrections)
             starts = ["keep_start"] * (corrections == 3)
-            turns = ["speed"] * (corrections >= 2)
+            turns = ["reflect" if corrections == 1 else "settle", *["speed"] * (corrections >= 2)]
             assert names(said) == [
-                "fetch", "load", "begin_job", "shrink", "offset", "reflect", "settle", *turns, "correct", "count", *starts,
+                "fetch", "load", "begin_job", "shrink", "offset", "reflect", *turns, "correct", "count", *starts,
                 "place", *written,
             ]  # fmt: skip
             assert {at for _, at, *_ in said} == {slot}

@@ -113,7 +113,7 @@ def test_random_commands() -> None:
             "length_y": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)), "meets_now": int(rng.integers(2)),
             "hidden_now": int(rng.integers(16)), "nev_low": low, "nev_high": high, "gain_log2": int(rng.integers(1, 13)),
             "gain_slow": int(rng.integers(7)), "gain_fast": int(rng.integers(13)), "run_next": int(rng.integers(16)),
-            "gap_corrections": int(rng.integers(256)) >> int(rng.integers(9)),
+            "gap_corrections": int(rng.integers(256)) >> int(rng.integers(9)), "burst": int(rng.random() < 0.3),
             "from": int(rng.integers(SLOTS)), "e_slot": int(rng.integers(SLOTS)),
             "ask_start": int(name != "keep_id" and rng.random() < 0.5),
         }  # fmt: skip
@@ -164,9 +164,10 @@ def test_random_commands() -> None:
         seen[name] += 1
         for _clock in range(3):
             sim.clock.tick()
-        gain = min(1 + (slot.corrections >> values["gain_slow"]), values["gain_log2"]) + slot.meets
-        assert int(io.gain) == gain
-        assert int(io.room) == (max(gain - values["gain_fast"], 0) if values["gain_fast"] and not slot.meets else 0)
+        gain = 1 if values["burst"] else min(1 + (slot.corrections >> values["gain_slow"]), values["gain_log2"])
+        room = 1 if values["burst"] else max(gain - values["gain_fast"], 0) if values["gain_fast"] else 0
+        assert int(io.gain) == gain + slot.meets
+        assert int(io.room) == (0 if slot.meets else room)
         assert int(io.look_due) == (
             values["gap_corrections"] > 0 and (slot.merged or slot.looked + 1 >= values["gap_corrections"])
         )

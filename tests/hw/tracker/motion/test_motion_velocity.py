@@ -28,7 +28,7 @@ def test_random_corrections() -> None:
     for round_ in range(2_000):
         ticks = max(1, int(rng.integers(1 << 24)) >> int(rng.integers(25)))
         slower, gain, step_log2 = int(rng.integers(2)), int(rng.integers(1, 14)), int(rng.integers(21))
-        room = int(rng.integers(gain))
+        room = int(rng.integers(gain + 1))
         if round_ < 4:  # the ends
             room = 0
             ticks, gain, step_log2 = ((1, 1, 20), (2**24 - 1, 13, 0), (1, 1, 20), (2**24 - 1, 1, 20))[round_]

@@ -39,6 +39,7 @@ CASES = {
     "older stays": {**BUSY, "keep_older": 1, "gap_corrections": 1, "side_shrink": 0},
     "tracks return": {**BUSY, "return_ticks": 3_000, "coast_ticks": 1_500},
     "at rest": {**BUSY, "speed_max": 0},
+    "bursts": BUSY,
 }
 
 
@@ -130,10 +131,10 @@ class Work:
         begin = cause["seq"], cause["time"], int(io.kind), int(io.id), other
         return (*begin, *middle, *sides, *speeds, int(io.support), int(io.n_ev), int(io.at))
 
-    def run(self, *, real: bool, pauses: bool) -> None:
+    def run(self, *, real: bool, flag: bool) -> None:
         """What is on the ports already, until it is done."""
         io = self.io
-        io.job_real, io.job_pauses = int(real), int(pauses)
+        io.job_real, io.job_flag = int(real), int(flag)
         self.clock()
         self.finished, self.masked, self.ended, self.cleared = 0, 0, [], []
         io.job_valid, clocks = 1, 0
@@ -160,13 +161,14 @@ class Work:
             cause["time"] - cause["counted"],
         )
         with_step = bool(empty) and (cause["kind"], cause["slot"]) == ("step", 0)
+        io.job_kind = KINDS.index("step")
         for _ in range(empty - with_step):
-            self.run(real=False, pauses=True)
+            self.run(real=False, flag=True)
             assert not self.finished
         io.job_kind, io.job_slot, io.job_waits, io.job_owned = kind, cause["slot"], int(cause["waits"]), cause["owned"]
         io.job_sides, io.job_time, io.e_slot = packed(sides, SIDE_W), cause["time"], cause["slot"]
         io.job_marks = sum(1 << i for i in range(4) if cause["marks"][i])
-        self.run(real=True, pauses=with_step)
+        self.run(real=True, flag=with_step or cause["in_burst"] or cause["kind"] == "seed")
 
     def agrees(self, effect: dict[str, Any]) -> None:
         """What takes effect of the last job."""
@@ -212,7 +214,8 @@ def test_jobs_of_random_scenes(name: str) -> None:
     slow, work = Jobs(registers, N, MOST, (1 << ID_W) - 1), Work(registers, stalls=name != "support")
     rng, done, now = np.random.default_rng(2), 0, 0
     void = ended = 0
-    for tick, x, y in groups(rng, 2_400):
+    for time, x, y in groups(rng, 2_400):
+        tick = time // 1_500 * 1_500 if name == "bursts" else time
         if rng.random() < 0.003:
             slow.end(int(rng.integers(N)), now)
         now = tick

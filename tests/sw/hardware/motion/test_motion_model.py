@@ -66,6 +66,18 @@ def test_equals_a_slow_model_where_events_come_in_bursts(step_ms: int) -> None:
     assert as_tuples(model.records) == slow.records
 
 
+@pytest.mark.parametrize("period", [60, 300, 1_000])
+@pytest.mark.parametrize("name", ["quick", "quick turns", "coarse steps", "everything is born", "gaps at once"])
+def test_equals_a_slow_model_where_slots_are_corrected_more_than_once_in_a_burst(name: str, period: int) -> None:
+    registers, events = replace(QUICK, **VARIANTS[name]), scene(5, period=period)
+    model = MotionModel(config_of(registers)).feed(events)
+    slow = SlowArray(registers, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
+    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
+        slow.event(at, x, y)
+    assert model.owner.tolist() == slow.owners
+    assert as_tuples(model.records) == slow.records
+
+
 @pytest.mark.parametrize("seed", [3, 4])
 def test_equals_a_slow_model_whose_registers_change_while_lives_go_on(seed: int) -> None:
     rng, events = np.random.default_rng(seed), scene(seed)

@@ -60,8 +60,8 @@ def records(stream: TickedEvents, registers: MotionRegisters = DEFAULT, n_slots:
 
 
 @njit(nogil=True)
-def _gain_at(s: NDArray[np.int64], r: NDArray[np.int64], run: int) -> int:
-    return gain_log2(s, r, 0, 63, run)
+def _gain_at(s: NDArray[np.int64], r: NDArray[np.int64], run: int, in_burst: bool) -> int:
+    return gain_log2(s, r, 0, 63, run, in_burst)
 
 
 @njit
@@ -69,11 +69,11 @@ def _follow_at(s: NDArray[np.int64]) -> None:
     follow_pace(s, 0)
 
 
-def _gain_of(run: int, *, meets: int = 0, gain_fast: int = 0) -> int:
+def _gain_of(run: int, *, meets: int = 0, gain_fast: int = 0, in_burst: bool = False) -> int:
     s = np.zeros((1, _state.FIELD_COUNT), np.int64)
     s[0, _state.MEETS] = meets
     registers = replace(DEFAULT, gain_log2=5, gain_fast=gain_fast)
-    return int(_gain_at(s, np.array(list(vars(registers).values()), np.int64), run))
+    return int(_gain_at(s, np.array(list(vars(registers).values()), np.int64), run, in_burst))
 
 
 def born(found: NDArray[np.void]) -> int:
@@ -188,6 +188,12 @@ def test_the_gain_rises_after_two_that_agree_and_not_beside_another() -> None:
     assert [_gain_of(run, gain_fast=4) for run in runs] == [max(gain, 4) for gain in raised]
     assert {_gain_of(run, gain_fast=0) for run in runs} == {_gain_of(run, gain_fast=9) for run in runs} == {5}
     assert {_gain_of(run, gain_fast=2, meets=1) for run in runs} == {6}
+
+
+def test_the_gain_within_a_burst_does_not_depend_on_registers() -> None:
+    for gain_fast in (0, 2, 9):
+        assert [_gain_of(run, gain_fast=gain_fast, in_burst=True) for run in range(-4, 5)] == [0, 0, 1, 1, 1, 1, 1, 0, 0]
+        assert {_gain_of(run, gain_fast=gain_fast, meets=1, in_burst=True) for run in range(-7, 8)} == {2}
 
 
 def test_a_silent_box_goes_on_by_a_part_of_its_way() -> None:
