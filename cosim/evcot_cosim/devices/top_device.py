@@ -235,6 +235,7 @@ class TopRun(NamedTuple):
         accepted: clock at which each input word was accepted.
         recorded: clock of each record's first beat.
         irq_clock: clock at which the interrupt was first high, or -1.
+        seq_bits: how many low bits of an event's number its word holds.
     """
 
     records: NDArray[np.void]
@@ -245,6 +246,7 @@ class TopRun(NamedTuple):
     accepted: NDArray[np.int64]
     recorded: NDArray[np.int64]
     irq_clock: int
+    seq_bits: int
 
     def decisions(self, first: int, n: int, chain: bool = False) -> Decisions:
         """Decisions on events `first` to `first + n - 1`, which must be those of this run, in the model's format.
@@ -257,7 +259,7 @@ class TopRun(NamedTuple):
         owner, rel = np.full(n, DROPPED, np.int16), np.zeros((2, n), np.uint16)
         for stream, words in (("owned", self.owned), ("passed", self.passed)):
             found = unpack(stream, words)
-            index = whole_numbers(found["seq"], _SEQ_BITS, first) - first
+            index = whole_numbers(found["seq"], self.seq_bits, first) - first
             if len(index) and (index.min() < 0 or index.max() >= n or np.any(owner[index] != DROPPED)):
                 raise HardwareError(f"evcot_top gave {stream} events twice, or events that never went in", first)
             if len(np.unique(index)) < len(index) or (not chain and np.any(np.diff(index) < 0)):
@@ -377,6 +379,7 @@ class TopDevice:
         return TopRun(
             records[: job.n_records], owned[: job.n_owned], passed[: job.n_passed], user[: job.n_owned],
             table[: len(commands)], accepted[: len(words)], recorded[: job.n_records], job.irq_clock,
+            min(_SEQ_BITS, self.config.shape.seq_w),
         )  # fmt: skip
 
     def _access(self, command: Command) -> int:

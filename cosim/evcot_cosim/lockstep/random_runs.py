@@ -177,12 +177,9 @@ def random_run(shape: Shape, module: Module, seed: int, events: int, model: Buil
 
 
 def random_motion_traffic(rng: np.random.Generator, shape: Shape, events: int) -> TickedEvents:
-    """Outlines three times in four, else bursts and noise; every fourth time, events of a period all come at one tick.
-
-    From one period to the next, no tokens without an event are needed: a commit between such tokens has no place among events.
-    """
+    """Outlines three times in four, else bursts and noise; every fourth time, events of a period all come at one tick."""
     traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
-    period = int(rng.integers(1, min(1_000, 1 << shape.tick_w))) if rng.random() < 0.25 else 1
+    period = int(rng.integers(2, 1_000)) if rng.random() < 0.25 else 1
     return replace(traffic, ticks=traffic.ticks // period * period)
 
 
@@ -245,12 +242,15 @@ def rewritten(
     Raises:
         HardwareError: the hardware refused a change, made no progress, or violated a protocol.
     """
-    traffic = replace(traffic, ticks=traffic.ticks - traffic.ticks[0])  # those of the hardware: 0 at the first event
+    # From 0, as the hardware counts, and without silences of several tokens: a commit within one has no place among events.
+    steps = np.minimum(np.diff(traffic.ticks, prepend=traffic.ticks[:1]), (1 << config.shape.tick_w) - 1)
+    traffic = replace(traffic, ticks=np.cumsum(steps))
     n, motion = len(traffic), config.registers
     made: list[_Change] = []
     commands: list[Command] = []
     asks: list[int] = []
-    for after in np.sort(rng.integers(0, n - ALONE, changes)).tolist():
+    after_all = np.sort(rng.integers(0, n - ALONE, changes))
+    for after in after_all.tolist():
         change, writes, address = _change(rng, config.shape, motion, after)
         motion = change.motion or motion
         made.append(change)
@@ -259,13 +259,16 @@ def rewritten(
     commands.append(poll_status("idle", 1, n))  # all is through, however long motion steps take
     device.reset()
     device.configure(config)
-    steps = min(registers.step_log2 for registers in (config.registers, *(one.motion for one in made if one.motion)))
-    longest = step_clocks(config.shape.n_slots, int(np.diff(traffic.ticks).max()), steps)
+    shortest = min(registers.step_log2 for registers in (config.registers, *(one.motion for one in made if one.motion)))
+    longest = step_clocks(config.shape.n_slots, int(steps.max()), shortest)
     played = device.run(pack_events(traffic.ticks, traffic.x, traffic.y, traffic.p), commands, step_clocks=longest)
     if played.commands["response"].any():
         refused = int(np.flatnonzero(played.commands["response"])[0])
         raise HardwareError(f"evcot_top refused access {refused}, {commands[refused]}", int(commands[refused][0]))
-    at = played.commands["result"][asks].astype(np.int64)
+    half = 1 << (
+        played.seq_bits - 1
+    )  # of the numbers that have these low bits, the one nearest to where the change was asked for
+    at = after_all + (played.commands["result"][asks].astype(np.int64) - after_all + half) % (2 * half) - half
     model, begin, ended, parts = MotionModel(config), 0, 0, []
     for change, seq in zip(made, at.tolist(), strict=True):
         parts.append(model.feed(traffic[begin:seq]))
@@ -278,6 +281,7 @@ def rewritten(
             ended += len(lost)
     parts.append(model.feed(traffic[begin:]))
     decided = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    decided.records["seq"] %= 1 << config.shape.seq_w  # the model's numbers do not wrap
     return Rewritten(played.decisions(0, n), decided, at, ended)
 
 
