@@ -238,12 +238,11 @@ def python_kind() -> Kind:
 
     def stages(mutant: Mutant) -> list[list[Path]]:
         inside = Path(mutant.file).relative_to("evcot")
-        folder = TESTS / "sw" / inside.parent
-        while not folder.is_dir():
-            folder = folder.parent
-        mirror = folder / f"test_{inside.stem.strip('_')}.py"
-        others = [path for path in sorted((TESTS / "sw" / inside.parts[0]).rglob("test_*.py")) if path != mirror]
-        return [[mirror] if mirror.is_file() else [], others]
+        top, folder = TESTS / "sw" / inside.parts[0], TESTS / "sw" / inside.parent
+        named = [place / f"test_{name}.py" for place in (folder, top) for name in (inside.stem.strip("_"), inside.parent.name)]
+        mirror = next(([path] for path in named if path.is_file()), sorted(folder.rglob("test_*.py")))
+        others = [path for path in sorted(top.rglob("test_*.py")) if path not in mirror]
+        return [mirror, others]
 
     def environment(folder: Path) -> dict[str, str]:
         return {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT / "cosim")]), "EVCOT_CACHE": str(cache_dir())}
