@@ -6,10 +6,10 @@ python benchmarks/soak.py --events 20000000 --jobs 2        # twenty million
 python benchmarks/soak.py --events 20000000 --output soak.json  # and seed, shapes and results in a file
 python benchmarks/soak.py --seed 3 --run 9 --length 89188   # one run again, of so many events
 
-A run has a shape of 1 to 64 slots, in some of which numbers of tracks, events and support wrap, and draws registers over their
-whole legal ranges, outlines of boxes that meet and hide each other, or bursts and noise, and stalls. In every fourth run,
-events of a period all come at one tick. Every second run is of `evcot_top`, with a change of registers every 400 events or so;
-the others are of the array alone, which is faster. A run has as many events as take about --seconds, and says how many. The
+A run has a shape of 1 to 64 slots; in some shapes, numbers of tracks, events and support wrap. A run draws registers over their
+whole legal ranges, stalls, and traffic: outlines of boxes that meet and hide each other, or bursts and noise. In every fourth
+run, events of a period all come at one tick. Every second run is of `evcot_top`, with a change of registers every 400 events or
+so; the others are of the array alone, which is faster. A run has as many events as take about --seconds, and says how many. The
 first difference ends the program with exit code 1.
 """
 

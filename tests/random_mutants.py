@@ -5,13 +5,14 @@ Places are drawn evenly from all operators, numbers, conditions and register ass
 trackers, filters, metrics and readers (`python`). A mutant that is no valid program is drawn again. First the test file that
 mirrors the mutated file runs. If it passes, other tests follow: of RTL the files that mutations.toml names, which also serve as
 mirror of a module without its own test file; of Python all tests of the package. Yosys compares a surviving RTL mutant with
-the original. Other equivalent mutants are argued in equivalent_mutants.toml.
+the original. A test that fails must pass without the mutant.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import functools
 import itertools
 import os
 import random
@@ -20,7 +21,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -34,11 +34,10 @@ from mutations import mutations
 
 ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
-EQUIVALENT = TESTS / "equivalent_mutants.toml"
 PACKAGES = ("hardware", "trackers", "metrics", "recordings", "filters", "tracks")
 _TEST_S = 1800  # of one run of pytest, after which a mutant counts as killed: it hangs
 _YOSYS_S = 300
-_NO_PROGRAM = "it cannot be built"
+_NO_PROGRAM, _CRASH, _HANG = "it cannot be built", "a crash", "a test that hangs"
 
 _SWAPS = {"+": "-", "-": "+", "*": "+", "//": "*", "%": "*", "==": "!=", "!=": "==", "<": "<=", "<=": "<", ">": ">=", ">=": ">"}
 _RTL_SWAPS = _SWAPS | {"&&": "||", "||": "&&", "&": "|", "|": "&", "^": "&", "!": "", "~": "", "<<": ">>", ">>": "<<"}
@@ -266,11 +265,22 @@ def first_failure(tests: Sequence[Path], environment: dict[str, str]) -> str:
             timeout=_TEST_S,
         )
     except subprocess.TimeoutExpired:
-        return "a test that hangs"
+        return _HANG
     if "cannot build" in done.stdout:
         return _NO_PROGRAM
-    failed = re.search(r"^(?:FAILED|ERROR) tests/(\S+)", done.stdout, re.MULTILINE)
-    return failed[1] if failed else "pytest itself" if done.returncode not in (0, 5) else ""
+    if failed := re.search(r"^(?:FAILED|ERROR) tests/(\S+)", done.stdout, re.MULTILINE):
+        return failed[1]
+    if done.returncode > 0 and done.returncode != 5:  # 5: no test was selected
+        raise SystemExit(f"pytest did not run:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+    return _CRASH if done.returncode < 0 else ""
+
+
+@functools.cache
+def require_pass(failure: str) -> None:
+    """Raise SystemExit if a test also fails without a mutant."""
+    test = failure.partition("[")[0]
+    if failure not in (_NO_PROGRAM, _CRASH, _HANG) and first_failure([TESTS / test], {}):
+        raise SystemExit(f"fails without a mutant: {test}")
 
 
 def is_equivalent(mutant: Mutant, folder: Path) -> bool:
@@ -297,7 +307,7 @@ def is_equivalent(mutant: Mutant, folder: Path) -> bool:
         return False
 
 
-def verdict(kind: Kind, mutant: Mutant, argued: dict[str, str]) -> tuple[str, str]:
+def verdict(kind: Kind, mutant: Mutant) -> tuple[str, str]:
     """What becomes of a mutant, in one word, and by what."""
     source = kind.sources[mutant.file]
     with tempfile.TemporaryDirectory() as temporary:
@@ -307,9 +317,8 @@ def verdict(kind: Kind, mutant: Mutant, argued: dict[str, str]) -> tuple[str, st
         environment = kind.environment(folder)
         for stage, tests in zip(("mirror", "others"), kind.stages(mutant), strict=True):
             if failure := first_failure(tests, environment):
+                require_pass(failure)
                 return ("invalid" if failure == _NO_PROGRAM else stage), failure
-        if reason := argued.get(mutant.describe(source)):
-            return "equivalent", reason
         if mutant.file.endswith(".v") and is_equivalent(mutant, folder):
             return "equivalent", "proven by Yosys"
     return "SURVIVED", ""
@@ -317,12 +326,11 @@ def verdict(kind: Kind, mutant: Mutant, argued: dict[str, str]) -> tuple[str, st
 
 def run(kind: Kind, count: int, seed: int, jobs: int) -> int:
     """Try mutants and print what becomes of each; returns the number of survivors."""
-    argued = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8")) if EQUIVALENT.exists() else {}
     counts = dict.fromkeys(("mirror", "others", "equivalent", "SURVIVED"), 0)
     drawn = kind.draw(count, seed)
     with ThreadPoolExecutor(jobs) as pool:
         while batch := list(itertools.islice(drawn, count - sum(counts.values()))):
-            for mutant, (fate, by) in zip(batch, pool.map(lambda one: verdict(kind, one, argued), batch), strict=True):
+            for mutant, (fate, by) in zip(batch, pool.map(lambda one: verdict(kind, one), batch), strict=True):
                 if fate != "invalid":
                     counts[fate] += 1
                     print(f"{mutant.describe(kind.sources[mutant.file])}: {fate} {by}".rstrip(), flush=True)

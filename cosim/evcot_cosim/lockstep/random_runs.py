@@ -265,9 +265,8 @@ def rewritten(
     if played.commands["response"].any():
         refused = int(np.flatnonzero(played.commands["response"])[0])
         raise HardwareError(f"evcot_top refused access {refused}, {commands[refused]}", int(commands[refused][0]))
-    half = 1 << (
-        played.seq_bits - 1
-    )  # of the numbers that have these low bits, the one nearest to where the change was asked for
+    # Of the numbers with these low bits, the one nearest to where the change was asked for.
+    half = 1 << (played.seq_bits - 1)
     at = after_all + (played.commands["result"][asks].astype(np.int64) - after_all + half) % (2 * half) - half
     model, begin, ended, parts = MotionModel(config), 0, 0, []
     for change, seq in zip(made, at.tolist(), strict=True):
