@@ -109,7 +109,6 @@ def run_cosim(
     config: RunConfig,
     *,
     stall_seed: int | None = None,
-    waves: bool = False,
     source: Source | None = None,
     building: Callable[[], None] | None = None,
     progress: Callable[[int, int, float], None] | None = None,
@@ -120,7 +119,6 @@ def run_cosim(
         recording: at least one event.
         config: both trackers' configurations.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
-        waves: whether the model for a waveform of all signals is built at the same time, for one that is written afterwards.
         source: where the recording was read from.
         building: called before a build that takes seconds.
         progress: called after each run of events with (events done, time of the last event in us, events/s).
@@ -142,10 +140,8 @@ def run_cosim(
     t0_us = int(events.t_us[0])
     sensor = recording.width, recording.height
     hardware, model = _LogParts(device_config, t0_us), _LogParts(device_config, t0_us)
-    with ThreadPoolExecutor(2, "build") as builds:
-        built = builds.submit(build_device, device_config, waves=False, on_miss=building)
-        if waves:
-            builds.submit(build_device, device_config)  # an error comes again when the waveform is written
+    with ThreadPoolExecutor(1, "build") as builds:
+        built = builds.submit(build_device, device_config, on_miss=building)
         compile_kernels(events[:1], sensor, config)
         build = built.result()
     with Lockstep(device_config, stalls=stalls, seed=stall_seed, model=build) as lockstep:

@@ -196,7 +196,7 @@ def dump_window(
     last_event: int,
     *,
     stalls: Stalls | None = None,
-    verilog: Path | None = None,
+    model: BuiltModel | None = None,
     progress: Callable[[int], None] | None = None,
     force: bool = False,
 ) -> Clocks:
@@ -208,13 +208,14 @@ def dump_window(
     Args:
         path: of the VCD; `force` replaces one that exists.
         first_event, last_event: numbers of the events around which clocks are dumped.
+        model: a model with all signals that `build_device` returned for the same config, to avoid the look-up.
         progress: called with the number of events driven so far.
 
     Raises:
         OutputError: the file exists, or cannot be written.
         ToolchainError: a tool is missing or too old, or the build fails.
     """
-    device = Device(config, stalls=stalls, verilog=verilog)
+    device = Device(config, stalls=stalls, model=model)
     parts = []
     with device.dumping(path, first_event, last_event, force=force):
         for chunk in chunks(events):

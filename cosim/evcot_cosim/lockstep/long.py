@@ -102,7 +102,7 @@ def run_long(
         sensor, name = file.sensor, file.name
         check_addresses_of(sensor, config.hardware, name)
         device_config = config.device_config(*sensor)
-        build = build_device(device_config, waves=False, savable=True, on_miss=building)
+        build = build_device(device_config, savable=True, on_miss=building)
         state: dict[str, Any] = work.state or {}
         tallies = state.get("tallies") or (Tally(), Tally())
         logs = [LogSpool(work.folder, side, state.get(side, (0, 0))) for side in ("hardware", "software")]

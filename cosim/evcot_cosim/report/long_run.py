@@ -185,6 +185,6 @@ def _write_waves(run: LongRun, folder: Path, head: Recording) -> None:
                 window = Window.around(index, len(head.events), _WAVES_EVENTS)
                 write_waves(
                     head.events, run.config.device_config(*run.sensor), folder, window,
-                    stalls=stalls_from(run.seed), name="waves", moment=moment,
+                    stalls=stalls_from(run.seed), model=run.build, name="waves", moment=moment,
                 )  # fmt: skip
             return

@@ -19,7 +19,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
@@ -79,9 +79,6 @@ RANDOM_INITIAL_FLAGS = ("--x-assign", "unique", "--x-initial", "unique")
 PORTS_ONLY_FLAGS = ("--trace-depth", "1")
 """`extra_flags` of a model whose waveforms have its ports alone: building it takes two thirds to half of the time."""
 
-# Options of the compiler for a model that is run little: cot_motion with all signals takes 40 s of CPU instead of 80.
-_QUICK = "-Og"
-
 # Flags that decide what is generated from a design and not how Verilator's runtime is compiled -> number of their values.
 # `--savable` needs one small file more of the runtime, which is compiled with each such model.
 _DESIGN_FLAGS = {"--x-assign": 1, "--x-initial": 1, "--trace-depth": 1, "--trace-max-array": 1, "--savable": 0}
@@ -125,7 +122,6 @@ def build(
     extra_cpp: Mapping[str, str] | None = None,
     *,
     extra_flags: Sequence[str] = (),
-    quick: bool = False,
     verilog: Path | None = None,
     toolchain: Toolchain | None = None,
     on_miss: Callable[[], None] | None = None,
@@ -138,7 +134,6 @@ def build(
         extra_cpp: C++ files, name to text. Those that end in `.cpp` are compiled with the model, where
             their `extern "C"` functions are available as `sim.lib.<name>` and may be passed `sim.model`, a `V<top>*`.
         extra_flags: additional flags for Verilator.
-        quick: compile the model in half the time, for one that is run little; without effect if $EVCOT_OPTIMISATION is set.
         verilog: folder of the sources (default: evcot's own).
         toolchain: the tools to use (default: `find_toolchain()`).
         on_miss: called before a model that is not in the cache is built, which takes seconds.
@@ -150,8 +145,6 @@ def build(
     parameters = dict(sorted((parameters or {}).items()))
     tools = toolchain or find_toolchain()
     recipe = _recipe(top, parameters, extra_cpp or {}, extra_flags, verilog or verilog_dir(), tools)
-    if quick and "EVCOT_OPTIMISATION" not in os.environ:
-        recipe = replace(recipe, optimisation=_QUICK)
     key = recipe.key
     root = cache_dir()
     home = root / "models" / f"{top}-{key[:20]}"
@@ -206,23 +199,20 @@ class _Recipe:
     flags: Sequence[str]
     request: Mapping[str, object]
     tools: Toolchain
-    optimisation: str = ""
-    """Of the model, but not of Verilator's runtime; empty: the toolchain's."""
 
     @property
     def key(self) -> str:
         """A hash of everything that the shared object depends on."""
         contents = sorted((name, hashlib.sha256(text).hexdigest()) for name, text in self.files.items())
         worker = _WORKER.read_text() + importlib.metadata.version("pyverilator-mm")
-        return _hash(self.runtime_key, self.request, self.optimisation, contents, worker)
+        return _hash(self.runtime_key, self.request, contents, worker)
 
     @property
     def make_flags(self) -> str:
         """Variables by which make compiles the context, and all other C++ files as one."""
         first = [_WRAPPER_FILE, *sorted(name for name in self.files if name.endswith(".cpp") and name != _CONTEXT_FILE)]
         join = shlex.join([sys.executable, "-E", "-S", _JOIN.name, *first])
-        variables = {"VM_USER_CLASSES": Path(_CONTEXT_FILE).stem, "VERILATOR_INCLUDER": join}
-        return make_variables(variables | ({"OPT_FAST": self.optimisation} if self.optimisation else {}))
+        return make_variables({"VM_USER_CLASSES": Path(_CONTEXT_FILE).stem, "VERILATOR_INCLUDER": join})
 
     @property
     def runtime_key(self) -> str:

@@ -15,6 +15,7 @@ from evcot.hardware.config import CotConfig, MotionConfig
 from ..devices.base import Stalls
 from ..lockstep.lockstep import Clocks, dump_window
 from ..lockstep.moments import Moment
+from ..rtl.build import BuiltModel
 from .fst import fst_writer, write_fst
 from .gtkwave import Marker, write_view
 from .views import VIEWS
@@ -64,18 +65,20 @@ def write_waves(
     window: Window,
     *,
     stalls: Stalls | None = None,
+    model: BuiltModel | None = None,
     name: str = "waves",
     moment: Moment | None = None,
     force: bool = False,
 ) -> tuple[Path, Path]:
     """Simulate again up to the window's end and write `<name>.vcd`, its GTKWave view `<name>.gtkw` and, with pylibfst,
     `<name>.fst` into a folder. Markers in the view: when `moment`'s event is accepted, and when its record is sent.
+    `model`: as of `dump_window`.
 
     Raises:
         OutputError: a file exists (without `force`), or cannot be written.
     """
     vcd = folder / f"{name}.vcd"
-    clocks = dump_window(events, config, vcd, window.first, window.last, stalls=stalls, force=force)
+    clocks = dump_window(events, config, vcd, window.first, window.last, stalls=stalls, model=model, force=force)
     view = folder / f"{name}.gtkw"
     write_view(vcd, view, _markers(moment, clocks) if moment else (), reach=_SHOWN_CLOCKS * CLOCK, force=force)
     if fst_writer() is not None:

@@ -239,7 +239,7 @@ class TestDumpWindow:
     def test_a_fault_of_the_hardware_is_what_it_shows(self, tmp_path: Path) -> None:
         verilog = broken_copy(tmp_path / "rtl", "array_output.v", "if (s_valid) begin", "if (s_valid && s_owned) begin")
         config = CotConfig.uniform(SHAPE, replace(JUMPY, mode=Mode.OFF))
-        dump_window(busy(50), config, tmp_path / "w.vcd", 0, 40, verilog=verilog)
+        dump_window(busy(50), config, tmp_path / "w.vcd", 0, 40, model=build_device(config, verilog=verilog))
         assert (tmp_path / "w.vcd").stat().st_size > 1000
 
     def test_a_folder_that_is_not_there(self, tmp_path: Path) -> None:

@@ -62,7 +62,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         try:
             run = run_cosim(
                 job.recording, job.config,
-                stall_seed=job.seed, waves=not options.no_waves, source=job.source,
+                stall_seed=job.seed, source=job.source,
                 building=progress.building, progress=progress.update,
             )  # fmt: skip
         except MismatchError as error:
