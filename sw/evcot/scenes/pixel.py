@@ -13,7 +13,7 @@ from ..errors import ConfigError
 from ..events import Events, check_sensor
 from ..ranges import Range, check_ranges
 from ._batch_kernel import batch_events
-from ._order import sorted_keys, unpacked, without_intervals
+from ._order import unpacked, without_intervals
 from ._pixel_kernel import LOG_INTENSITY_MAX, are_within, begin, levels_of, pixel_events
 from ._render_kernel import draw
 from ._spontaneous import Spontaneous
@@ -144,7 +144,7 @@ class PixelCamera:
         if fault >= 0:
             self._refuse(frame, fault % self._shape[1], fault // self._shape[1])
         self._t_us = t_us
-        return sorted_keys(keys)
+        return np.sort(keys)
 
     def keys_of_shapes(
         self, shapes: NDArray[np.float64], times_us: NDArray[np.int64], background: NDArray[np.float64]
@@ -166,7 +166,7 @@ class PixelCamera:
         )
         self._shown = shapes[-1], background
         self._t_us = int(times_us[-1])
-        return cast("NDArray[np.int64]", without_intervals(sorted_keys(keys), times_us))
+        return cast("NDArray[np.int64]", without_intervals(np.sort(keys), times_us))
 
     def _begin(self, frame: NDArray[np.float64], t_us: int) -> None:
         """Initialise the pixels to a steady state on this frame."""
