@@ -63,10 +63,18 @@ def test_every_register_has_an_address_of_its_own_and_a_field_in_the_configurati
 
 
 def test_register_limits_follow_the_shape() -> None:
-    shape = Shape(x_w=7, tc_w=12)
-    assert REGISTERS["init_cm_x"].limits(shape) == (0, 127)
-    assert REGISTERS["max_ticks"].limits(shape) == (1, 4095)
-    assert REGISTERS["hist_avg"].limits(shape) == (0, 8)
+    shape = Shape(x_w=7, y_w=6, radix_w=5, nev_w=9, tc_w=12)
+    assert {name: register.limits(shape) for name, register in REGISTERS.items()} == {
+        "mode": (0, 2),
+        "init_cm_x": (0, 127),
+        "init_cm_y": (0, 63),
+        **dict.fromkeys(("init_radix", "radix_th", "radix_step", "radix_min", "radix_max"), (0, 31)),
+        "hist_avg": (0, 8),
+        "max_ticks": (1, 4095),
+        **dict.fromkeys(("clust_nev", "nev_min", "nev_max"), (1, 511)),
+        "nev_th": (0, 4095),
+        "detect_ticks": (1, 4095),
+    }
     assert REGISTERS["mode"].bits(shape) == 2
 
 

@@ -70,6 +70,9 @@ class TestCot:
             CotConfig.uniform(SHAPE, replace(SLOT, **changed))
         assert str(caught.value) == f"cot.slot[0].{message}"
 
+    def test_bounds_may_be_equal(self) -> None:
+        CotConfig.uniform(SHAPE, replace(SLOT, radix_min=9, init_radix=9, radix_max=9, nev_min=7, clust_nev=7, nev_max=7))
+
     @pytest.mark.parametrize("tick_us", [0, 1_000_001, 1.5])
     def test_a_tick_has_a_length(self, tick_us: int) -> None:
         with pytest.raises(ConfigError, match=rf"^tick_us = {tick_us}: must be an integer from 1 to 1000000"):

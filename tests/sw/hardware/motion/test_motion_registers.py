@@ -54,6 +54,10 @@ def test_contradictions_are_refused(changes: dict[str, int], message: str) -> No
     assert str(caught.value) == message
 
 
+def test_values_at_the_limit_of_a_contradiction_are_taken() -> None:
+    MotionRegisters(nev_low=20, nev_high=20, ring_px=8, ring_max=8, life_ticks=9, coast_ticks=9, seed_px=9, side_max=18)
+
+
 def test_a_file_sets_them(tmp_path: Path) -> None:
     path = tmp_path / "run.toml"
     path.write_text('hardware = "cot_motion"\n[motion]\nside_max = 90\n', encoding="utf-8")

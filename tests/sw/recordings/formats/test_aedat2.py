@@ -14,6 +14,7 @@ from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import aedat2
 from evcot.recordings.formats.aedat2 import Aedat2File
+from evcot.recordings.formats.source import BLOCK_EVENTS
 from shared import SHARED
 
 from .fuzzing import fuzz
@@ -102,6 +103,14 @@ def test_davis_addresses(path: Path, chip: str, width: int, height: int) -> None
     with open_recording(path) as file:
         assert file.sensor == (width, height)
         assert file.details == {"chip": f"eu.seebetter.ini.chips.davis.{chip}"}
+
+
+def test_events_come_in_blocks_of_one_size(path: Path) -> None:
+    expected = make_rows(2 * BLOCK_EVENTS + 5, 128, 128)
+    path.write_bytes(dvs128_file(expected))
+    blocks = list(Aedat2File(path).blocks())
+    assert [len(block) for block in blocks] == [BLOCK_EVENTS, BLOCK_EVENTS, 5]
+    assert rows(Events.joined(blocks)) == expected
 
 
 def test_a_real_dvs128_file_bit_by_bit_and_its_pendulum_hangs_from_the_top() -> None:

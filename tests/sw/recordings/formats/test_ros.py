@@ -23,6 +23,7 @@ from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import ros
+from evcot.recordings.formats.ros_messages import read_stamped
 
 from .fuzzing import cut_lengths, fuzz, sample_of
 from .reference_evt import evt3_base, evt3_event, evt3_high, evt3_low, evt3_row, evt3_vector12, reference
@@ -384,6 +385,23 @@ def test_messages_that_break_a_rule_are_named(tmp_path: Path, kind: str) -> None
     assert refusal(maker.write(tmp_path, iter(arrays))) == (
         "topic /d, message 1: sensor and encoding are ((5, 5), 'stamped'): must be ((64, 48), 'stamped'), as before"
     )
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        *(
+            (bytes.fromhex(start), f"is encoded as {start}: must be little-endian CDR, 0001")
+            for start in ("", "0001", "000100")
+        ),
+        (bytes.fromhex("00000000"), "is encoded as 00000000: must be little-endian CDR, 0001"),
+        (bytes.fromhex("00010000"), "of 4 bytes has a field that needs 8; is it cut off?"),
+    ],
+)
+def test_a_message_shorter_than_its_encoding_is_refused(data: bytes, said: str) -> None:
+    with pytest.raises(RecordingError) as caught:
+        read_stamped(data, is_cdr=True)
+    assert str(caught.value) == said
 
 
 def test_a_bag_that_was_cut_off_gives_what_is_before_the_cut(tmp_path: Path) -> None:
