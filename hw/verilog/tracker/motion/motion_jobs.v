@@ -50,7 +50,7 @@ module motion_jobs #(
 
     // the next one to be computed; it stays until it is done
     output reg                 job_valid,
-    input  wire                job_done,
+    input  wire                job_done,   // not before the 2nd clock after job_valid
     output wire                job_real,
     output wire                job_flag,
     output wire [1:0]          job_kind,
@@ -101,6 +101,8 @@ module motion_jobs #(
     reg  [WAIT_W-1:0] second;           // and that of the one that is read next
     reg  [N-1:0]      waits;
     reg  [N-1:0]      pending;          // jobs of the slot are not done
+    reg  [SLOT_W-1:0] work_slot;        // job_slot, a clock later,
+    reg               is_last;          // and whether the job is the last of its slot
     reg  [DEPTH_W:0]  last_jobs[0:(1<<SLOT_W)-1];  // of these the place of the last,
     reg  [WAIT_W-1:0] places[0:(1<<SLOT_W)-1];     // of the slot's entry, if it waits
     reg  [N-1:0]      computed;         // something was, and has not taken effect
@@ -131,7 +133,7 @@ module motion_jobs #(
     wire [SLOT_W-1:0] asked_with = end_with[asked];
     wire              finds      = ending[asked] && !due_ended[asked] && (asked_with == slot || due_ended[asked_with]);
     wire              steady     = !any_ending || unfound == ROUND[SLOT_W:0];  // due_ended is all of them
-    wire [N-1:0]      job_here   = job_done ? one << job_slot : {N{1'b0}};
+    wire [N-1:0]      job_here   = job_done ? one << work_slot : {N{1'b0}};
     wire [N-1:0]      come       = j_valid ? one << j_slot : {N{1'b0}};
 
     assign idle    = head == tail;
@@ -204,11 +206,13 @@ module motion_jobs #(
         due_valid   <= due_there && !pops;
         due_read    <= due_valid && !pops;
         slot      <= due_slot;
+        work_slot <= job_slot;
+        is_last   <= last_jobs[work_slot] == head && !(j_valid && j_real && j_slot == work_slot);
 
         waits    <= (waits | begun) & ~taken;
-        computed <= (computed | (finish ? one << job_slot : {N{1'b0}})) & ~taken;
+        computed <= (computed | (finish ? job_here : {N{1'b0}})) & ~taken;
         seeded   <= (seeded & ~(job_kind == 2'd1 ? job_here : {N{1'b0}})) | (seeds ? come : {N{1'b0}});
-        pending  <= (pending & ~(job_real && last_jobs[job_slot] == head ? job_here : {N{1'b0}})) | (j_real ? come : {N{1'b0}});
+        pending  <= (pending & ~(job_real && is_last ? job_here : {N{1'b0}})) | (j_real ? come : {N{1'b0}});
         ending   <= (ending | (ends ? (one << ends_slot) & ~seeded : {N{1'b0}}))
                   & ~(due_taken ? due_ended : {N{1'b0}}) & ~(seeds ? come : {N{1'b0}});
         if (j_valid && j_real) last_jobs[j_slot] <= tail;

@@ -19,7 +19,7 @@ WIDTHS = {
 FIELDS = {"flag": 1, "x": X_W, "y": Y_W, "sides": 4 * SIDE_W, "marks": 4, "owned": SUP_W}  # nothing looks into these
 CORRECTION, SEED, STEP, END = range(4)
 LATER, LATER_TICKS, MOST, UNDER_WAY = 64, 256, 112, 12
-LATENCY, NEXT = 3, 1  # clocks until a job comes, and the next one
+LATENCY, NEXT, WORK = 3, 1, 2  # clocks until a job comes, and the next one; least number that it takes
 SHOWN, NEXT_SHOWN, READY = 4, 2, 2  # until a slot that waits is shown, and the next one; until it is ready, from its last job
 PACES = (0.02, 0.3), (0.1, 0.11), (0.1, 0.3), (0.1, 0.8), (0, 0.3), (0.1, 0.3), (1, 0.01)  # how often a job comes, and is done
 
@@ -105,13 +105,13 @@ def test_random_jobs(seed: int) -> None:
             often, speed = PACES[int(rng.integers(len(PACES) - 1)) if clock % 3_000 else -1]
             full = often > speed  # periods are empty
         # ---- the job that is next
-        valid = bool(inside.jobs) and clock >= max(inside.jobs[0][0] + LATENCY, done_at + NEXT)
+        comes_at = max(inside.jobs[0][0] + LATENCY, done_at + NEXT) if inside.jobs else clock + 1
+        valid = clock >= comes_at
         assert (int(io.idle), int(io.job_valid), int(io.room)) == (not inside.jobs, valid, level < MOST)
         level = len(inside.jobs)
         if valid:
             shown = inside.jobs[0][1]
-            comes = clock == max(inside.jobs[0][0] + LATENCY, done_at + NEXT)
-            late = {"seq", "time"} if comes else set()  # these come a clock later
+            late = {"seq", "time"} if clock == comes_at else set()  # these come a clock later
             assert {name: int(io[f"job_{name}"]) for name in shown if name not in late} == {
                 name: value for name, value in shown.items() if name not in late
             }
@@ -159,7 +159,7 @@ def test_random_jobs(seed: int) -> None:
         if valid and not was_masked and rng.random() < 0.1:
             io.mask, mask_at, mask_slot = 1, clock, inside.jobs[0][1]["slot"]
             masked_until = clock + int(rng.integers(1, 30))
-        elif valid and rng.random() < speed:
+        elif clock >= comes_at + WORK and rng.random() < speed:
             job = inside.jobs[0][1]
             computes = bool(job["real"]) and (job["slot"] not in inside.void or job["kind"] == SEED)
             others = [i for i in range(N) if i not in inside.void and i != job["slot"]]
