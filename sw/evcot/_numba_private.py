@@ -140,12 +140,13 @@ def _once(dispatcher: Any) -> Any:
     return dispatcher
 
 
+_OWN = "evcot", "evcot_cosim"
 _load_overload = FunctionCache.load_overload
 
 
 def _load_own(cache: Any, signature: Any, target_context: Any) -> Any:
-    """Load a compiled kernel, if it is in the cache."""
-    if not cache._py_func.__module__.startswith("evcot"):
+    """What Numba does to load a compiled kernel, with less before it where the kernel is of this package."""
+    if cache._py_func.__module__.partition(".")[0] not in _OWN:
         return _load_overload(cache, signature, target_context)
     rtsys.initialize(target_context)
     with cache._guard_against_spurious_io_errors():

@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from pathlib import Path
+
+import pytest
 
 KERNEL = "from evcot._numba_private import njit; assert njit(lambda x: x + {0})(1) == 1 + {0}"
 UNUSED = {"importlib.metadata", "colorama", "scipy", "yaml", "cffi", "numba.core.entrypoints"}
@@ -27,6 +31,14 @@ def test_a_command_runs_compiled_kernels_without_packages_that_it_does_not_use()
 
 def test_a_kernel_that_is_compiled_after_one_from_the_cache_has_what_a_compilation_needs() -> None:
     assert loaded_after(CACHED, KERNEL.format(1)) >= TYPES_TO_COMPILE
+
+
+def test_a_kernel_of_another_package_is_loaded_as_numba_does_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "evcot_of_a_user.py").write_text("import numba\nkernel = numba.njit(cache=True)(lambda x: x + 1)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    lines = "import evcot._numba_private, evcot_of_a_user", "assert evcot_of_a_user.kernel(1) == 2"
+    loaded_after(*lines)
+    assert loaded_after(*lines) >= TYPES_TO_COMPILE
 
 
 def test_extensions_of_numba_are_looked_for_once_plug_ins_have_been() -> None:

@@ -73,7 +73,7 @@ def build_device(
     """Build the module of a configuration in its shape, with its streaming drive, or find it in the cache.
 
     Without `waves` a waveform shows the ports of the module alone. Verilator then optimises the signals below it away, and
-    the model is built in two thirds of the time.
+    the model is built sooner.
 
     Args:
         waves: whether waveforms show what lies below the ports.

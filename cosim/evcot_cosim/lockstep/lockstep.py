@@ -76,9 +76,8 @@ class Lockstep:
         seed: int | None = None,
         check: bool = True,
         model: BuiltModel | None = None,
-        verilog: Path | None = None,
     ) -> None:
-        self.device = Device(config, stalls=stalls, model=model, verilog=verilog)
+        self.device = Device(config, stalls=stalls, model=model)
         self.config = config
         self.seed = seed
         self.events = 0

@@ -101,10 +101,10 @@ module motion_jobs #(
     reg  [WAIT_W-1:0] second;           // and that of the one that is read next
     reg  [N-1:0]      waits;
     reg  [N-1:0]      pending;          // jobs of the slot are not done
-    reg  [SLOT_W-1:0] work_slot;        // job_slot, a clock later,
-    reg               is_last;          // and whether the job is the last of its slot
     reg  [DEPTH_W:0]  last_jobs[0:(1<<SLOT_W)-1];  // of these the place of the last,
     reg  [WAIT_W-1:0] places[0:(1<<SLOT_W)-1];     // of the slot's entry, if it waits
+    reg  [SLOT_W-1:0] work_slot;        // job_slot, a clock later,
+    reg               is_last;          // and whether its job is the last one of it
     reg  [N-1:0]      computed;         // something was, and has not taken effect
     reg  [N-1:0]      seeded;           // a seed of the slot is among the jobs
     reg  [N-1:0]      ending;           // another slot ends it,
