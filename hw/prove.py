@@ -1,7 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prove the properties of hw/formal by k-induction, reach their covers, and check that planted faults break them.
 
-hw/formal/MODULE.vh has the properties of a module, as Verilog that this script puts before the module's `endmodule`:
+hw/formal/MODULE.vh has the properties of a module, as Verilog that this script puts before the module's `endmodule`, below a
+comment that says, as TOML, what is run:
+
+    [properties]  NAME = "statement", for each property
+    [[tasks]]     name, parameters, k (steps of the induction), covers_within (clocks), quick (part of --quick),
+                  cut (cells whose outputs may be anything), only (the covers that this task must reach, if not all),
+                  shorter (a text and what replaces it, so that covers and faults need fewer clocks; not in the proof)
+    [[faults]]    meaning, file, right (text in it), wrong (what replaces it), breaks (properties), since and within (clocks),
+                  task (default: the first)
+
+The Verilog labels its statements:
 
     p_NAME: assert (...)   a property
     i_NAME: assert (...)   an invariant that the induction needs; proven with the properties
@@ -11,15 +21,6 @@ hw/formal/MODULE_ghosts.vh is added to a module wherever it stands below the one
 `(* hierconn *) wire \\u_part.name ;` is the wire, or register, `name` of the part `u_part`.
 
 `f_past` is low at the first clock, in which `rst` is high; all registers begin with any value.
-
-hw/formal/MODULE.toml says what is run:
-
-    [properties]  NAME = "statement", for each property
-    [[tasks]]     name, parameters, k (steps of the induction), covers_within (clocks), quick (part of --quick),
-                  cut (cells whose outputs may be anything), only (the covers that this task must reach, if not all),
-                  shorter (a text and what replaces it, so that covers and faults need fewer clocks; not in the proof)
-    [[faults]]    meaning, file, right (text in it), wrong (what replaces it), breaks (properties), since and within (clocks),
-                  task (default: the first)
 
 A fault must give a counterexample, from reset, to each property that it is said to break. Each property needs a fault.
 
@@ -109,19 +110,26 @@ class Module:
 
     @classmethod
     def load(cls, name: str) -> Module:
-        """Read hw/formal/NAME.toml and check it against the names in NAME.vh."""
-        data = tomllib.loads((FORMAL / f"{name}.toml").read_text())
+        """Read hw/formal/NAME.vh and check that its comment and its Verilog have the same names."""
+        told, verilog = _parts(name)
+        data = tomllib.loads(told)
         tasks = [_made(Task, {"module": name, **entry}) for entry in data["tasks"]]
         first = {"file": f"{name}.v", "task": tasks[0].name}
         faults = tuple(_made(Fault, {**first, **entry}) for entry in data["faults"])
         made = cls(name, data["properties"], {task.name: task for task in tasks}, faults)
-        labels = set(re.findall(r"\b([pc]_\w+)\s*:", (FORMAL / f"{name}.vh").read_text()))
+        labels = set(re.findall(r"\b([pc]_\w+)\s*:", verilog))
         for prefix in ("p_", "c_"):
             if (found := {label[2:] for label in labels if label.startswith(prefix)}) != set(made.properties):
                 raise Failed(f"{name}: {prefix} labels and properties differ: {sorted(found ^ set(made.properties))}")
         if unbroken := set(made.properties) - {broken for fault in faults for broken in fault.breaks}:
             raise Failed(f"{name}: no fault breaks {sorted(unbroken)}")
         return made
+
+
+def _parts(module: str) -> tuple[str, str]:
+    """TOML and Verilog of a module's file."""
+    told, _, verilog = (FORMAL / f"{module}.vh").read_text().partition("/*")[2].partition("*/")
+    return told, verilog
 
 
 def _made(kind: type[Any], entry: Mapping[str, Any]) -> Any:
@@ -157,7 +165,7 @@ def compile_task(task: Task, folder: Path, fault: Fault | None = None, covers: b
         texts[fault.file] = replaced(texts[fault.file], fault.right, fault.wrong)
     if task.shorter and (fault or covers):
         texts[f"{task.module}.v"] = replaced(texts[f"{task.module}.v"], *task.shorter)
-    rules = (FORMAL / f"{task.module}.vh").read_text()
+    rules = _parts(task.module)[1]
     own, end = texts[f"{task.module}.v"].rsplit("endmodule", 1)
     texts[f"{task.module}.v"] = f"{own}{PRELUDE if re.search(r'input +wire +rst', own) else NO_RESET}{rules}\nendmodule{end}"
     for name in texts:
@@ -339,7 +347,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: one for each core)")
     asked = parser.parse_args()
 
-    known = sorted(path.stem for path in FORMAL.glob("*.toml"))
+    known = sorted(path.stem for path in FORMAL.glob("*.vh") if not path.stem.endswith("_ghosts"))
     if unknown := set(asked.modules) - set(known):
         parser.error(f"no properties for {', '.join(sorted(unknown))}: choose from {', '.join(known)}")
     modules = [Module.load(name) for name in known if not asked.modules or name in asked.modules]

@@ -1,4 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "an event leaves after those before it, at the output for owned or for passed ones as it came, all fields unchanged"
+count = "each event leaves once, and never at both outputs"
+overflow = "the queue never holds more than its 16 places, if at most eight events follow the fall of room"
+stable = "an owned or passed event that is not taken stays"
+dry = "an event inside is at the output within three clocks"
+
+[[tasks]]
+name = "default"
+parameters = { X_W = 9, Y_W = 9, REL_W = 10, SEQ_W = 48, SLOT_W = 3 }
+k = 2
+covers_within = 22
+quick = true
+
+[[tasks]]
+name = "wide"
+parameters = { X_W = 11, Y_W = 10, REL_W = 9, SEQ_W = 64, SLOT_W = 6 }
+k = 2
+covers_within = 22
+
+[[faults]]
+meaning = "a passed event goes with its recentred address"
+right = "in_x = s_owned ?"
+wrong = "in_x = 1'b1 ?"
+breaks = ["order"]
+within = 8
+
+[[faults]]
+meaning = "an event overtakes while the output stalls"
+right = "wire       gives      = waiting && !held"
+wrong = "wire       gives      = waiting"
+breaks = ["order", "count"]
+within = 12
+
+[[faults]]
+meaning = "room falls an event late"
+right = "level <= 5'd7"
+wrong = "level <= 5'd8"
+breaks = ["overflow"]
+within = 22
+
+[[faults]]
+meaning = "a waiting owned event is overwritten"
+right = "(own && !m_own_ready) ||"
+wrong = ""
+breaks = ["stable"]
+within = 10
+
+[[faults]]
+meaning = "a waiting passed event is overwritten"
+right = "|| (pass && !m_pass_ready)"
+wrong = ""
+breaks = ["stable"]
+within = 10
+
+[[faults]]
+meaning = "an event is seen a clock late"
+right = "waiting <= gives ? after_read != written : read != written"
+wrong = "waiting <= gives ? after_read != written : read != written && after_read != written"
+breaks = ["dry"]
+within = 12
+*/
 // An event that comes is marked, any one of them, and where it must be follows from how many are ahead of it. At most eight events
 // may follow once `room` is low: this is assumed, as cot_array promises it.
 localparam F_W = 1 + SLOT_W + AT_X_W + AT_Y_W + 1 + SEQ_W;

@@ -1,4 +1,84 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+read_alone = "a read is answered within 36 clocks of its handshake, if no write is open meanwhile"
+write_alone = "a write is answered within 38 clocks of its last handshake, with TRACKER = 2 within 46, if no read is open meanwhile"
+read = "a read is answered within 73 clocks of its handshake, with TRACKER = 2 within 81, whatever writes there are"
+write = "a write is answered within 73 clocks of its last handshake, with TRACKER = 2 within 81, whatever reads there are"
+
+[[tasks]]
+name = "array"
+parameters = { N = 8, TRACKER = 0 }
+k = 2
+covers_within = 60
+cut = ["t:*block_memory*"]
+only = ["read_alone", "write_alone"]
+shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
+quick = true
+
+[[tasks]]
+name = "chain"
+parameters = { N = 8, TRACKER = 1 }
+k = 2
+covers_within = 60
+cut = ["t:*block_memory*"]
+only = ["read_alone", "write_alone"]
+shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
+
+[[tasks]]
+name = "motion"
+parameters = { N = 8, TRACKER = 2 }
+k = 2
+covers_within = 60
+cut = ["t:*block_memory*"]
+only = ["read_alone", "write_alone"]
+shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
+quick = true
+
+[[tasks]]
+name = "motion_64"
+parameters = { N = 64, TRACKER = 2 }
+k = 2
+covers_within = 60
+cut = ["t:*block_memory*"]
+only = []
+shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
+
+[[tasks]]
+name = "1"
+parameters = { N = 1, TRACKER = 0 }
+k = 2
+covers_within = 60
+cut = ["t:*block_memory*"]
+shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
+
+[[faults]]
+meaning = "a read that is merged waits for the next access"
+task = "1"
+right = "state  <= !request_write ? ANSWER :"
+wrong = "state  <= !request_write ? IDLE :"
+breaks = ["read_alone", "read"]
+since = 95
+within = 95
+
+[[faults]]
+meaning = "the access after a copy waits for all banks that are pending"
+task = "1"
+right = "turns      <= 1'b1;"
+wrong = "turns      <= 1'b0; pending <= pending;"
+breaks = ["read_alone"]
+since = 100
+within = 100
+
+[[faults]]
+meaning = "a write without strobes is not answered"
+task = "1"
+right = "                state <= ANSWER;\n            end\n            COPY"
+wrong = "                state <= acts ? ANSWER : WEIGH;\n            end\n            COPY"
+breaks = ["write_alone", "write"]
+since = 95
+within = 95
+*/
 // How long an access waits: the clocks from the handshake that completes it to its response, without those in which the shadow is filled
 // after reset or a response of its kind waits for the master. An access is alone if no access of the other kind is open meanwhile.
 // The reset of what lies behind follows soft_reset as in evcot_top. f_rest bounds the clocks that are left.

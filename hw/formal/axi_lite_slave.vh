@@ -1,4 +1,76 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+write_response = "a write response comes only after an address and data that have had none"
+read_response = "a read response comes only after an address that has had none"
+begins = "an answer becomes the response of its kind in the next clock, with its data, and SLVERR for an error"
+once = "there is one response for each answer"
+stable = "a response that is not taken stays"
+request = "a request stays until its answer"
+fields = "a request has the address, data and strobes of the oldest access of its kind without response"
+bound = "an access is answered within 10 clocks, if requests are answered within 4 and no response of its kind waits for the master"
+
+[[tasks]]
+name = "default"
+k = 2
+covers_within = 20
+quick = true
+
+[[tasks]]
+name = "3"
+parameters = { ADDR_W = 3 }
+k = 2
+covers_within = 20
+
+[[faults]]
+meaning = "a write is answered without its data"
+right = "can_write  = aw_held && w_held &&"
+wrong = "can_write  = aw_held &&"
+breaks = ["write_response", "fields"]
+within = 10
+
+[[faults]]
+meaning = "a read is answered twice"
+right = "                ar_held       <= 1'b0;\n"
+wrong = ""
+breaks = ["read_response", "fields"]
+within = 12
+
+[[faults]]
+meaning = "an error is answered with OKAY"
+right = "s_axil_rresp  <= answer_error ? SLVERR : OKAY"
+wrong = "s_axil_rresp  <= OKAY"
+breaks = ["begins"]
+within = 10
+
+[[faults]]
+meaning = "a response repeats"
+right = "if (s_axil_bready) s_axil_bvalid <= 1'b0;"
+wrong = "if (s_axil_bready && !s_axil_awvalid) s_axil_bvalid <= 1'b0;"
+breaks = ["once"]
+within = 12
+
+[[faults]]
+meaning = "a response vanishes before it is taken"
+right = "if (s_axil_rready) s_axil_rvalid <= 1'b0;"
+wrong = "s_axil_rvalid <= 1'b0;"
+breaks = ["stable"]
+within = 10
+
+[[faults]]
+meaning = "the data of a write is replaced while it waits"
+right = "if (s_axil_wvalid && !w_held)"
+wrong = "if (s_axil_wvalid)"
+breaks = ["request", "fields"]
+within = 10
+
+[[faults]]
+meaning = "reads always go first"
+right = "assign s_axil_arready = !ar_held;"
+wrong = "assign s_axil_arready = !ar_held || (request_valid && answer && !request_write);"
+breaks = ["bound"]
+within = 20
+*/
 // Requests are answered within F_ANSWER clocks: this is assumed. Clocks in which the response of an access before waits for its master
 // do not count for the bounds.
 localparam F_ANSWER = 4;

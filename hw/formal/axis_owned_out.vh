@@ -1,4 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+stable = "a beat that is not taken stays"
+packet = "each beat is a packet of eight bytes"
+
+[[tasks]]
+name = "defaults"
+k = 2
+covers_within = 6
+quick = true
+
+[[faults]]
+file = "skid_buffer.v"
+meaning = "a beat is replaced while it waits"
+right = "output_free = m_ready || !m_valid_reg"
+wrong = "output_free = 1'b1"
+breaks = ["stable"]
+within = 8
+
+[[faults]]
+meaning = "packets do not end"
+right = "m_axis_tlast = 1'b1"
+wrong = "m_axis_tlast = 1'b0"
+breaks = ["packet"]
+within = 4
+*/
 // skid_buffer.vh says that words leave in order and once.
 (* hierconn *) wire \u_output.s_ready_reg ;
 (* hierconn *) wire \u_output.skid_valid_reg ;

@@ -1,4 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "each beat of a record leaves after those before it, unchanged"
+all = "no beat is lost or repeated, and at most DEPTH records are in the memory"
+ends = "tkeep leaves bytes out in the last beat of a record only, and tlast is high there only"
+packet = "a packet has at most packet_records records"
+stable = "a beat that is not taken stays, tkeep and tlast as well"
+
+[[tasks]]
+name = "motion"
+parameters = { DATA_W = 64, DEPTH = 16, MOTION = 1, X_W = 25, Y_W = 25, SLOT_W = 4 }
+k = 2
+covers_within = 30
+only = ["ends", "stable"]
+
+[[tasks]]
+name = "array"
+parameters = { DATA_W = 256, DEPTH = 3, MOTION = 0 }
+k = 2
+covers_within = 20
+quick = true
+
+[[tasks]]
+name = "one"
+parameters = { DATA_W = 128, DEPTH = 1, MOTION = 1, X_W = 25, Y_W = 25 }
+k = 2
+covers_within = 20
+only = ["order", "ends", "stable"]
+
+[[faults]]
+task = "one"
+meaning = "a beat is written over one that has not been read"
+right = "put      = s_cm_valid && !full"
+wrong = "put      = s_cm_valid"
+breaks = ["order", "all"]
+within = 20
+
+[[faults]]
+task = "array"
+meaning = "a record is read a beat short"
+right = "last_out = beat_out == LAST[BEAT_W-1:0]"
+wrong = "last_out = beat_out == LAST[BEAT_W-1:0] - 1'b1"
+breaks = ["ends"]
+within = 12
+
+[[faults]]
+task = "array"
+meaning = "every beat has all its bytes"
+right = "assign m_axis_tkeep  = out_last ? SOME : ALL"
+wrong = "assign m_axis_tkeep  = ALL"
+breaks = ["ends"]
+within = 10
+
+[[faults]]
+task = "one"
+meaning = "tlast is high in all beats of the last record"
+right = "tlast     <= ram_last && ends"
+wrong = "tlast     <= ends"
+breaks = ["ends"]
+within = 14
+
+[[faults]]
+task = "one"
+meaning = "a packet has a record too many"
+right = "records + 16'd1 >= packet_records"
+wrong = "records >= packet_records"
+breaks = ["packet"]
+within = 24
+
+[[faults]]
+task = "array"
+meaning = "a beat is replaced while it waits"
+right = "moves = (m_axis_tready && !holds) || !out_valid"
+wrong = "moves = !holds || !out_valid"
+breaks = ["stable", "all"]
+within = 14
+*/
 // Registers of packets stay, and a record that waits stays until the clock after s_rst. One beat is marked, f_beat of any record that is accepted,
 // with its place f_record in the memory. f_ahead counts the beats before it.
 (* anyconst *) wire [DATA_W-1:0]      f_word;

@@ -1,4 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "a word of which all bytes came leaves after those before it, lowest lane first, its bytes in order"
+all = "each such word leaves once, and nothing else does"
+cut = "n_cut is the number of words of which a part is missing"
+stall = "a beat waits for the words of the one before and for the receiver, and for nothing else"
+stable = "a word that is not taken stays"
+
+[[tasks]]
+name = "32_of_32"
+parameters = { DATA_W = 32, WORD_W = 32, COUNT_W = 32 }
+k = 1
+covers_within = 12
+quick = true
+
+[[tasks]]
+name = "4_of_16"
+parameters = { DATA_W = 64, WORD_W = 16, COUNT_W = 32 }
+k = 1
+covers_within = 14
+quick = true
+
+[[tasks]]
+name = "2_of_16"
+parameters = { DATA_W = 32, WORD_W = 16, COUNT_W = 32 }
+k = 1
+covers_within = 12
+
+[[tasks]]
+name = "1_of_16"
+parameters = { DATA_W = 16, WORD_W = 16, COUNT_W = 32 }
+k = 1
+covers_within = 12
+
+[[tasks]]
+name = "2_of_32"
+parameters = { DATA_W = 64, WORD_W = 32, COUNT_W = 32 }
+k = 1
+covers_within = 12
+
+[[tasks]]
+name = "64_of_64"
+parameters = { DATA_W = 64, WORD_W = 64, COUNT_W = 64 }
+k = 1
+covers_within = 12
+
+[[tasks]]
+name = "halves_of_64"
+parameters = { DATA_W = 32, WORD_W = 64, COUNT_W = 32 }
+k = 1
+covers_within = 12
+quick = true
+
+[[tasks]]
+name = "halves_of_32"
+parameters = { DATA_W = 16, WORD_W = 32, COUNT_W = 8 }
+k = 1
+covers_within = 12
+
+[[faults]]
+task = "4_of_16"
+meaning = "the highest lane leaves first"
+right = "for (lane = LANES - 1; lane >= 0; lane = lane - 1) if (waiting[lane])"
+wrong = "for (lane = 0; lane < LANES; lane = lane + 1) if (waiting[lane])"
+breaks = ["order"]
+within = 10
+
+[[faults]]
+task = "halves_of_64"
+meaning = "all eight bytes are reversed, not those of each half"
+right = "localparam UNIT_BYTES = (WORD_W == 64) ? 4 : WORD_W / 8"
+wrong = "localparam UNIT_BYTES = WORD_W / 8"
+breaks = ["order"]
+within = 10
+
+[[faults]]
+task = "4_of_16"
+meaning = "a lane of which one byte is there is a word"
+right = "assign whole[i]   = &s_axis_tkeep[i*KEEP_W +: KEEP_W]"
+wrong = "assign whole[i]   = |s_axis_tkeep[i*KEEP_W +: KEEP_W]"
+breaks = ["all", "cut"]
+within = 8
+
+[[faults]]
+task = "halves_of_32"
+meaning = "tlast without a byte does not end a word"
+right = "s_axis_tlast && whole != has_lower"
+wrong = "s_axis_tlast && whole && !has_lower"
+breaks = ["all", "cut"]
+within = 10
+
+[[faults]]
+task = "4_of_16"
+meaning = "a beat is taken a clock later than it could be"
+right = "later == {LANES{1'b0}} && (output_free || waiting == {LANES{1'b0}})"
+wrong = "waiting == {LANES{1'b0}}"
+breaks = ["stall"]
+within = 12
+
+[[faults]]
+task = "32_of_32"
+meaning = "a word is taken over while it waits"
+right = "output_free = m_ready || !m_valid"
+wrong = "output_free = 1'b1"
+breaks = ["stable", "all"]
+within = 8
+*/
 // One word is marked, any that a beat completes: f_lane of it, with the value f_word. f_ahead counts the words before it. The words
 // of a beat, and the half that waits for its other one, are stated here anew, from the comment above the module.
 (* anyconst *) wire [WORD_W-1:0] f_word;

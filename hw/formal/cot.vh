@@ -1,4 +1,154 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+states = "the FSM takes the transitions of the paper only"
+once = "an accepted event leaves at one output, owned or passed, and not twice"
+lost = "the next token is accepted only when event and ticks of the one before have left"
+ticks = "the ticks of a token travel on once, whoever owns its event"
+fields = "a passed event keeps address, polarity and number, an owned one polarity and number"
+time = "the tracker's time is the sum of all ticks that came"
+stable = "an output that is not taken stays"
+limits = "with legal registers that stay, g, N_ev and the count keep their limits"
+alive = "no event is decided by a cluster whose last event is max_ticks ago or more, if registers are legal and stay"
+dead = "a LOST record has the time of the last owned event plus max_ticks, if registers stay and mode was not written"
+
+[[tasks]]
+name = "default"
+parameters = { X_W = 9, Y_W = 9, FRAC = 4, TICK_W = 20, RADIX_W = 8, NEV_W = 10, TC_W = 24, SUP_W = 16, ID_W = 32, SEQ_W = 48, TIME_W = 48 }
+k = 5
+covers_within = 24
+cut = ["t:*cot_axis*", "t:*cot_regs*"]
+only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
+quick = true
+
+[[tasks]]
+name = "covers"
+parameters = { TICK_W = 4, RADIX_W = 3, NEV_W = 3, TC_W = 4, SUP_W = 4, ID_W = 4, SEQ_W = 8, TIME_W = 8 }
+k = 5
+covers_within = 16
+cut = ["t:*cot_axis*", "t:*cot_regs*"]
+quick = true
+
+[[tasks]]
+name = "bits"
+parameters = { X_W = 1, Y_W = 1, FRAC = 0, TICK_W = 1, RADIX_W = 1, NEV_W = 1, TC_W = 1, SUP_W = 1, ID_W = 1, SEQ_W = 8, TIME_W = 8 }
+k = 5
+covers_within = 24
+cut = ["t:*cot_axis*", "t:*cot_regs*"]
+only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
+
+[[tasks]]
+name = "long_ticks"
+parameters = { X_W = 11, Y_W = 11, TICK_W = 32, RADIX_W = 12, NEV_W = 16, TC_W = 32, SUP_W = 32, ID_W = 32, SEQ_W = 48, TIME_W = 48 }
+k = 5
+covers_within = 24
+cut = ["t:*cot_axis*", "t:*cot_regs*"]
+only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
+
+[[tasks]]
+name = "short_timers"
+parameters = { TICK_W = 32, TC_W = 2 }
+k = 5
+covers_within = 24
+cut = ["t:*cot_axis*", "t:*cot_regs*"]
+only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
+
+[[faults]]
+task = "covers"
+meaning = "a passed token restarts the tracker"
+right = "`EVCOT_ST_EV_PASS_TH: state <= `EVCOT_ST_IDLE;"
+wrong = "`EVCOT_ST_EV_PASS_TH: state <= `EVCOT_ST_INIT_CELL;"
+breaks = ["states"]
+within = 14
+
+[[faults]]
+task = "covers"
+meaning = "an owned event is passed on, too"
+right = "pass_event <= token_event && !owned;"
+wrong = "pass_event <= token_event;"
+breaks = ["once"]
+within = 14
+
+[[faults]]
+task = "covers"
+meaning = "an owned event is not offered with its ticks"
+right = "own_pending  <= 1'b1;"
+wrong = "own_pending  <= token_tick == {TICK_W{1'b0}};"
+breaks = ["lost"]
+within = 14
+
+[[faults]]
+task = "covers"
+meaning = "the ticks of an owned event stay"
+right = "pass_pending <= token_tick != {TICK_W{1'b0}};"
+wrong = "pass_pending <= 1'b0;"
+breaks = ["lost"]
+within = 14
+
+[[faults]]
+task = "covers"
+meaning = "ticks travel on without the event only"
+right = "m_pass_tick  = token_tick;"
+wrong = "m_pass_tick  = pass_event ? {TICK_W{1'b0}} : token_tick;"
+breaks = ["ticks"]
+within = 14
+
+[[faults]]
+task = "covers"
+meaning = "the number of the event that comes goes out"
+right = "m_own_seq    = token_seq;"
+wrong = "m_own_seq    = s_seq;"
+breaks = ["fields", "stable"]
+within = 14
+
+[[faults]]
+task = "covers"
+meaning = "ticks that end a life count twice"
+right = "if (!held) now <="
+wrong = "now <="
+breaks = ["time"]
+within = 22
+
+[[faults]]
+task = "covers"
+meaning = "a record is withdrawn"
+right = "if (m_cm_ready) cm_pending"
+wrong = "if (m_cm_ready || s_valid) cm_pending"
+breaks = ["stable"]
+within = 22
+
+[[faults]]
+task = "covers"
+meaning = "the radius goes below its limit"
+right = "({1'b0, g} < lowest) ? radix_min :"
+wrong = "({1'b0, g} < 1) ? radix_min :"
+breaks = ["limits"]
+within = 22
+
+[[faults]]
+task = "covers"
+meaning = "N_ev goes above its limit"
+right = "({1'b0, nev_max} < doubled) ? nev_max :"
+wrong = "({1'b0, nev_max} < halved) ? nev_max :"
+breaks = ["limits"]
+within = 34
+
+[[faults]]
+task = "covers"
+meaning = "a cluster lives a tick too long"
+right = "{1'b1, ~timer, !active};"
+wrong = "{1'b1, ~timer, 1'b1};"
+breaks = ["alive", "dead"]
+within = 26
+
+[[faults]]
+task = "covers"
+meaning = "a loss has the time of the token that ends it"
+right = "cm_time    <= deadline[TIME_W:1];"
+wrong = "cm_time    <= now;"
+breaks = ["dead"]
+within = 26
+*/
 // The axes, and so whether an event lies inside, may do anything. So may the registers, unless f_fixed is chosen: then they are legal and
 // stay, and sizes and times have their limits.
 (* anyconst *) wire f_fixed;

@@ -1,4 +1,90 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "a token commits after those before it, with the time, address and polarity that it came with, taken or passed if it is an event"
+once = "each token commits once, and at most 16 wait"
+decided = "an event leaves the update once, a clock after its commit, with its number"
+room = "at most eight events follow the fall of room"
+
+[[tasks]]
+name = "8"
+parameters = { N = 8 }
+cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
+k = 2
+covers_within = 1
+only = []
+quick = true
+
+[[tasks]]
+name = "1"
+parameters = { N = 1 }
+cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
+k = 2
+covers_within = 30
+# No slot is restarted after reset, and no life looked at.
+shorter = [
+    "restart    <= {N{1'b1}};\n            restart_due <= 1'b1;\n            restarting <= 1'b0;\n            restarts   <= 1'b0;\n            stale   <= 1'b1;",
+    "restart <= NONE;\n            restart_due <= 1'b0;\n            restarting <= 1'b0;\n            restarts <= 1'b0;\n            stale <= 1'b0;",
+]
+
+[[tasks]]
+name = "32"
+parameters = { N = 32 }
+cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
+k = 2
+covers_within = 1
+only = []
+
+[[faults]]
+task = "1"
+file = "array_input.v"
+meaning = "after a rewind the first token that is not committed is left out"
+right = "issued       <= committed;"
+wrong = "issued       <= committed + 5'd1;"
+breaks = ["order"]
+within = 24
+
+[[faults]]
+task = "1"
+file = "array_input.v"
+meaning = "tokens are taken although none has been committed"
+right = "s_ready   <= !level[4] && level[3:0] != 4'd15"
+wrong = "s_ready   <= !level[4]"
+breaks = ["once"]
+within = 24
+
+[[faults]]
+task = "1"
+meaning = "an event has the polarity of the one behind it"
+right = "u_p      <= c_p"
+wrong = "u_p      <= d_p"
+breaks = ["order"]
+within = 14
+
+[[faults]]
+task = "1"
+meaning = "what is thrown out is decided as well"
+right = "v_decided <= commit && (u_takes || u_passes)"
+wrong = "v_decided <= u_takes || u_passes"
+breaks = ["decided"]
+within = 10
+
+[[faults]]
+task = "1"
+meaning = "a token without an event takes a number"
+right = "if (commit && u_counts) next_seq"
+wrong = "if (commit) next_seq"
+breaks = ["decided"]
+within = 20
+
+[[faults]]
+task = "1"
+meaning = "tokens are issued into a full output"
+right = "v_busy || !room || restart_due"
+wrong = "v_busy || restart_due"
+breaks = ["room"]
+within = 34
+*/
 // Which slot has an event, and when lives end and tracks merge, may be anything. One token is marked, f_index of those that come, and
 // followed through the memory and the stages; f_m to f_u say which token each stage has.
 localparam F_W = CLOCK_W + X_W + Y_W + 3;

@@ -1,4 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+once = "an event that came is in one tracker until it leaves, and in none afterwards"
+one = "it leaves as owned by one tracker, or as passed"
+number = "it leaves with its place among the events that came"
+
+[[tasks]]
+name = "8"
+parameters = { N = 8 }
+cut = ["t:*cot"]
+k = 2
+covers_within = 14
+quick = true
+
+[[tasks]]
+name = "1"
+parameters = { N = 1 }
+cut = ["t:*cot"]
+k = 2
+covers_within = 10
+
+[[faults]]
+meaning = "the last tracker passes into nothing what it should pass on"
+right = "m_pass_valid  = link_valid[N] && last_event"
+wrong = "m_pass_valid  = link_valid[N] && !last_event"
+breaks = ["once"]
+within = 12
+
+[[faults]]
+meaning = "an event leaves that is not offered"
+right = "m_pass_valid  = link_valid[N] && last_event"
+wrong = "m_pass_valid  = last_event"
+breaks = ["one", "once"]
+within = 12
+task = "1"
+
+[[faults]]
+meaning = "an event that was taken out before is not counted"
+right = "first_ready && (first[EVENT_W-1] || first_skip)"
+wrong = "first_ready && first[EVENT_W-1]"
+breaks = ["number"]
+within = 12
+task = "1"
+*/
 // Trackers do what cot.vh proves of each: an event that one accepts leaves it once, owned or passed, before the next one is accepted,
 // with its number. One event is marked where it comes in; f_at says which tracker has it.
 (* anyseq *) wire f_choose;

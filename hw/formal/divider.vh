@@ -1,4 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+sum = "num = quot * den + rem"
+rem = "rem < den"
+zero = "by zero, quot is all ones and rem the low bits of num"
+clocks = "the result comes NUM_W + 1 clocks after the operands"
+once = "a result comes only after operands that have had none"
+stable = "a result that is not taken stays"
+
+[[tasks]]
+name = "motion"
+parameters = { NUM_W = 48, DEN_W = 20 }
+k = 2
+covers_within = 51
+quick = true
+
+[[tasks]]
+name = "small"
+parameters = { NUM_W = 6, DEN_W = 4 }
+k = 2
+covers_within = 12
+quick = true
+
+[[tasks]]
+name = "1"
+parameters = { NUM_W = 1, DEN_W = 1 }
+k = 2
+covers_within = 8
+only = ["zero", "clocks", "once", "stable"]
+
+[[faults]]
+task = "small"
+meaning = "the remainder is not restored"
+right = "restored = fits ?"
+wrong = "restored = 1'b1 ?"
+breaks = ["sum", "rem"]
+within = 12
+
+[[faults]]
+task = "small"
+meaning = "equal does not fit"
+right = "partial >= {1'b0, den_reg}"
+wrong = "partial > {1'b0, den_reg}"
+breaks = ["rem", "zero"]
+within = 12
+
+[[faults]]
+task = "small"
+meaning = "a step is missing"
+right = "later_steps_reg <= LAST[COUNT_W-1:0];"
+wrong = "later_steps_reg <= LAST[COUNT_W-1:0] - 1'b1;"
+breaks = ["clocks", "sum"]
+within = 12
+
+[[faults]]
+task = "small"
+meaning = "a result repeats"
+right = "if (m_valid_reg && m_ready) m_valid_reg <= 1'b0;"
+wrong = "if (m_valid_reg && m_ready && s_valid) m_valid_reg <= 1'b0;"
+breaks = ["once"]
+within = 14
+
+[[faults]]
+task = "small"
+meaning = "new operands are taken while a result waits"
+right = "s_ready = !busy_reg && !m_valid_reg"
+wrong = "s_ready = !busy_reg"
+breaks = ["stable"]
+within = 14
+*/
 // Of the numerator the upper f_done bits are divided: f_high is their value, f_quot the quotient so far, and f_product, which is summed
 // as f_quot is shifted, f_quot times the denominator. Small dividers are compared with a multiplication.
 localparam F_SMALL = NUM_W <= 8;

@@ -1,4 +1,91 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "each set bit on the sensor with a known time leaves as one event, after those of earlier vectors and of lower bits, with the right t, x, y, p"
+all = "events that go out have left or are inside, none is lost or repeated"
+events = "n_events counts the events that left"
+left_out = "n_untimed and n_outside count each event left out, by its reason"
+stall = "s_ready is high again after L - 1 clocks in which the output moves, at most"
+stable = "an event that is not taken stays"
+
+[[tasks]]
+name = "12"
+parameters = { L = 12, T_W = 48, X_W = 11, Y_W = 11, WIDTH = 1280, HEIGHT = 720, COUNT_W = 32 }
+k = 1
+covers_within = 14
+quick = true
+
+[[tasks]]
+name = "small"
+parameters = { L = 5, T_W = 3, X_W = 3, Y_W = 1, WIDTH = 7, HEIGHT = 1, COUNT_W = 8 }
+k = 1
+covers_within = 14
+quick = true
+
+[[tasks]]
+name = "1"
+parameters = { L = 1, T_W = 1, X_W = 1, Y_W = 1, WIDTH = 1, HEIGHT = 1, COUNT_W = 8 }
+k = 1
+covers_within = 14
+only = ["order", "events", "left_out", "stable"]
+
+[[faults]]
+task = "small"
+meaning = "an event goes with the address of the vector"
+right = "next_x = left + {7'd0, index}"
+wrong = "next_x = left"
+breaks = ["order"]
+within = 12
+
+[[faults]]
+task = "small"
+meaning = "a vector begins while the one before has a bit left"
+right = "in_leaves ? !in_several : !several(rest)"
+wrong = "in_leaves ? 1'b1 : !several(rest)"
+breaks = ["all", "order"]
+within = 14
+
+[[faults]]
+task = "small"
+meaning = "the last column is beyond the sensor"
+right = "wide || index < room"
+wrong = "wide || index + 1 < room"
+breaks = ["all", "left_out"]
+within = 12
+
+[[faults]]
+task = "small"
+meaning = "an event is counted that waits"
+right = "if (m_valid && m_ready) n_events"
+wrong = "if (m_valid) n_events"
+breaks = ["events"]
+within = 12
+
+[[faults]]
+task = "small"
+meaning = "untimed events count as outside, too"
+right = "if (leaves && event_known && !event_inside)"
+wrong = "if (leaves && !event_inside)"
+breaks = ["left_out"]
+within = 12
+
+[[faults]]
+task = "small"
+meaning = "a vector waits a clock longer than needed"
+right = "in_leaves = in_valid && ending && output_ready"
+wrong = "in_leaves = in_valid && ending && output_ready && lowest == {L{1'b0}}"
+breaks = ["stall"]
+within = 16
+
+[[faults]]
+task = "small"
+meaning = "a stalled event is replaced"
+file = "skid_buffer.v"
+right = "output_free = m_ready || !m_valid_reg"
+wrong = "output_free = 1'b1"
+breaks = ["stable"]
+within = 12
+*/
 // One event is marked, any set bit of any vector that is on the sensor and whose time is known: bit f_bit, with the fields f_word.
 // f_ahead counts the events before it that go out. Where it must be follows from how many are in each stage.
 localparam F_W = T_W + X_W + Y_W + 1;

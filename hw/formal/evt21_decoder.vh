@@ -1,4 +1,76 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+once = "each word of events, and no other, is given to event_vector once; other words are taken at once"
+mark = "each time mark, and nothing else, is given to time_mark once"
+fields = "an event has the time of the last mark with its own low bits, and the address, polarity and mask of its word"
+reserved = "n_reserved is the number of words of reserved types"
+
+[[tasks]]
+name = "defaults"
+parameters = { DATA_W = 64, T_W = 48 }
+cut = ["t:*axis_words*"]
+k = 1
+covers_within = 10
+quick = true
+
+[[tasks]]
+name = "35"
+parameters = { DATA_W = 32, T_W = 35, X_W = 1, Y_W = 1, WIDTH = 1, HEIGHT = 1, COUNT_W = 8 }
+cut = ["t:*axis_words*"]
+k = 1
+covers_within = 10
+
+[[faults]]
+meaning = "events of type 1 are skipped"
+right = "is_event = kind <= 4'd1"
+wrong = "is_event = kind < 4'd1"
+breaks = ["once"]
+within = 8
+
+[[faults]]
+meaning = "an event waits for nobody"
+right = "assign word_ready = events_ready || !is_event"
+wrong = "assign word_ready = 1'b1"
+breaks = ["once"]
+within = 8
+
+[[faults]]
+meaning = "types 9 to 15 are marks as well"
+right = ".set    (word_valid && kind == 4'd8)"
+wrong = ".set    (word_valid && kind[3])"
+breaks = ["mark"]
+within = 8
+
+[[faults]]
+meaning = "events before any mark have a time"
+right = ".s_known  (timed)"
+wrong = ".s_known  (1'b1)"
+breaks = ["fields"]
+within = 8
+
+[[faults]]
+meaning = "polarities are exchanged"
+right = ".s_p      (kind[0])"
+wrong = ".s_p      (!kind[0])"
+breaks = ["fields"]
+within = 8
+
+[[faults]]
+meaning = "triggers are counted as reserved"
+right = "16'b1100_0101_0000_0011"
+wrong = "16'b1100_0001_0000_0011"
+breaks = ["reserved"]
+within = 8
+
+[[faults]]
+task = "35"
+meaning = "halves are never exchanged"
+right = "swap_halves ? {both[31:0], both[63:32]} : both"
+wrong = "both"
+breaks = ["fields"]
+within = 8
+*/
 // Words come as axis_words gives them: one that is not taken stays. What they mean is stated here anew, as the format has it, and
 // compared with what time_mark and event_vector are given; their own properties say what becomes of that.
 (* hierconn *) wire              \u_mark.set ;

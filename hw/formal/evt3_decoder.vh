@@ -1,4 +1,91 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+once = "each word of events, and no other, is given to event_vector once; other words are taken at once"
+mark = "each time mark, and nothing else, is given to time_mark once"
+single = "a single event has the column and polarity of its word, and the row and time that were set last"
+vector = "a vector begins at the base, which each vector moves on by its length; row, time and polarity are those set last"
+known = "events are known once time and row are set, and a base for vectors; a change of another row makes them unknown"
+reserved = "n_reserved is the number of words of reserved types"
+
+[[tasks]]
+name = "defaults"
+parameters = { DATA_W = 32, T_W = 48 }
+cut = ["t:*axis_words*"]
+k = 1
+covers_within = 22
+quick = true
+
+[[tasks]]
+name = "25"
+parameters = { DATA_W = 16, T_W = 25, X_W = 1, Y_W = 1, WIDTH = 1, HEIGHT = 1, COUNT_W = 8 }
+cut = ["t:*axis_words*"]
+k = 1
+covers_within = 22
+
+[[tasks]]
+name = "64"
+parameters = { DATA_W = 64, T_W = 64, COUNT_W = 64 }
+cut = ["t:*axis_words*"]
+k = 1
+covers_within = 22
+
+[[faults]]
+meaning = "vectors of 8 are skipped"
+right = "kind == VECTOR_12 || kind == VECTOR_8;"
+wrong = "kind == VECTOR_12;"
+breaks = ["once"]
+within = 8
+
+[[faults]]
+meaning = "a mark is taken from types 9 to 15 as well"
+right = "taken && kind == TIME_HIGH"
+wrong = "taken && kind[3]"
+breaks = ["mark"]
+within = 8
+
+[[faults]]
+meaning = "a mark that is repeated sets the low bits to 0"
+right = "if (new_mark) low"
+wrong = "low"
+breaks = ["single"]
+within = 10
+
+[[faults]]
+meaning = "the base moves on by 12 after a vector of 8"
+right = "(kind == VECTOR_12 ? 12'd12 : 12'd8)"
+wrong = "12'd12"
+breaks = ["vector"]
+within = 10
+
+[[faults]]
+meaning = "the base stays from 1024 on"
+right = "is_vector && !base[11]"
+wrong = "is_vector && !base[10]"
+breaks = ["vector"]
+within = 10
+
+[[faults]]
+meaning = "a vector of 8 has the upper bits of its word, too"
+right = "kind == VECTOR_12 ? word[11:8] : 4'd0"
+wrong = "word[11:8]"
+breaks = ["vector"]
+within = 10
+
+[[faults]]
+meaning = "another row leaves the old one known"
+right = "OTHER_ROW: row_known <= 1'b0"
+wrong = "OTHER_ROW: row_known <= row_known"
+breaks = ["known", "single"]
+within = 10
+
+[[faults]]
+meaning = "type 1 is not counted as reserved"
+right = "16'b1100_0101_1111_1101"
+wrong = "16'b1100_0101_1111_1111"
+breaks = ["reserved"]
+within = 8
+*/
 // Words come as axis_words gives them: one that is not taken stays. What words have set so far is kept here anew, as the format has
 // it, and compared with what time_mark and event_vector are given; their own properties say what becomes of that.
 (* hierconn *) wire              \u_mark.set ;

@@ -1,4 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "a word that was accepted leaves after those before it, unchanged"
+count = "level is the number of words that went in and have not left, without one in the output register; at most DEPTH"
+ready = "s_ready is low exactly while DEPTH words are held"
+dry = "m_valid is high from the clock after a word was accepted, with BLOCK = 1 from the fourth"
+stable = "a word that is not taken stays"
+
+[[tasks]]
+name = "through"
+parameters = { W = 80, DEPTH = 256, BLOCK = 0 }
+k = 2
+covers_within = 8
+quick = true
+only = ["order", "dry", "stable"]
+
+[[tasks]]
+name = "block"
+parameters = { W = 80, DEPTH = 256, BLOCK = 1 }
+k = 2
+covers_within = 10
+quick = true
+only = ["order", "dry", "stable"]
+
+[[tasks]]
+name = "through_5"
+parameters = { W = 3, DEPTH = 5, BLOCK = 0 }
+k = 2
+covers_within = 12
+quick = true
+
+[[tasks]]
+name = "block_5"
+parameters = { W = 3, DEPTH = 5, BLOCK = 1 }
+k = 2
+covers_within = 14
+quick = true
+
+[[tasks]]
+name = "through_1"
+parameters = { W = 1, DEPTH = 1, BLOCK = 0 }
+k = 2
+covers_within = 8
+only = ["order", "count", "ready", "dry"]
+
+[[tasks]]
+name = "block_1"
+parameters = { W = 1, DEPTH = 1, BLOCK = 1 }
+k = 2
+covers_within = 12
+
+[[faults]]
+meaning = "the write address does not wrap"
+task = "through_5"
+right = "write_reg <= (write_reg == LAST[ADDR_W-1:0]) ? {ADDR_W{1'b0}} : write_reg + 1'b1"
+wrong = "write_reg <= write_reg + 1'b1"
+breaks = ["order"]
+within = 14
+
+[[faults]]
+meaning = "a word is read in the clock of its writing"
+task = "block_5"
+right = "ram_valid && settling, ram_valid ^ settling};"
+wrong = "1'b0, ram_valid};"
+breaks = ["order"]
+within = 10
+
+[[faults]]
+meaning = "the first register is read over while it waits"
+task = "block_5"
+right = ".read_enable  (reads)"
+wrong = ".read_enable  (1'b1)"
+breaks = ["order"]
+within = 14
+
+[[faults]]
+meaning = "full a word too late"
+task = "through_5"
+right = "full_reg <= push && level_reg == LAST[LEVEL_W-1:0]"
+wrong = "full_reg <= push && level_reg == LAST[LEVEL_W-1:0] + 1'b1"
+breaks = ["count", "ready"]
+within = 14
+
+[[faults]]
+meaning = "full a word too early"
+task = "block_5"
+right = "full_reg <= push && level_reg == LAST[LEVEL_W-1:0]"
+wrong = "full_reg <= push && level_reg == LAST[LEVEL_W-1:0] - 1'b1"
+breaks = ["ready"]
+within = 14
+
+[[faults]]
+meaning = "a clock is lost before the first word"
+task = "block_5"
+right = "if (reads) ram_valid <= unread;"
+wrong = "if (reads) ram_valid <= unread && !ram_valid && write_reg == read_reg;"
+breaks = ["dry"]
+within = 16
+
+[[faults]]
+meaning = "the output register is read over while it waits"
+task = "block_5"
+right = ".out_enable   (moves)"
+wrong = ".out_enable   (1'b1)"
+breaks = ["stable"]
+within = 14
+*/
 // A word that is accepted is marked, any one of them, with the place f_place where it is written. f_ahead counts the words before it.
 // Where it must be follows from f_ahead: in the output register, in the one before, or in its place in the memory.
 (* anyconst *) wire [W-1:0]      f_word;

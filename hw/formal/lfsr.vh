@@ -1,4 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+step = "a step is one of the linear register of the polynomial, in the complement"
+seed = "a seed other than all ones is loaded"
+reset = "reset makes the state 0"
+locks = "the state is never all ones"
+error = "seed_error is high for the seed of all ones, which is not loaded"
+done = "done is high once a step has brought the state to the start of its period, until the next step or seed"
+
+[[tasks]]
+name = "2"
+parameters = { WIDTH = 2 }
+k = 2
+covers_within = 8
+
+[[tasks]]
+name = "3"
+parameters = { WIDTH = 3 }
+k = 2
+covers_within = 10
+
+[[tasks]]
+name = "16"
+parameters = { WIDTH = 16 }
+k = 2
+covers_within = 8
+only = ["step", "seed", "reset", "locks", "error"]
+quick = true
+
+[[tasks]]
+name = "32"
+parameters = { WIDTH = 32 }
+k = 2
+covers_within = 8
+only = ["step", "seed", "reset", "locks", "error"]
+
+[[tasks]]
+name = "63"
+parameters = { WIDTH = 63 }
+k = 2
+covers_within = 8
+only = ["step", "seed", "reset", "locks", "error"]
+
+[[tasks]]
+name = "64"
+parameters = { WIDTH = 64 }
+k = 2
+covers_within = 8
+only = ["step", "seed", "reset", "locks", "error"]
+quick = true
+
+[[faults]]
+meaning = "a tap is missing"
+right = "feedback = ~^(state & TAPS)"
+wrong = "feedback = ~^(state & (TAPS - 1'b1))"
+breaks = ["step"]
+within = 8
+task = "3"
+
+[[faults]]
+meaning = "it shifts the other way"
+right = "{state[WIDTH-2:0], feedback}"
+wrong = "{feedback, state[WIDTH-1:1]}"
+breaks = ["step"]
+within = 8
+task = "3"
+
+[[faults]]
+meaning = "a step wins over a seed"
+right = "load_seed ? seed : step ? {state[WIDTH-2:0], feedback} : state"
+wrong = "step || enable ? {state[WIDTH-2:0], feedback} : load_seed ? seed : state"
+breaks = ["seed"]
+within = 8
+task = "3"
+
+[[faults]]
+meaning = "reset does nothing"
+right = ".rst(rst),"
+wrong = ".rst(1'b0),"
+breaks = ["reset"]
+within = 8
+task = "3"
+
+[[faults]]
+meaning = "the seed of all ones is loaded"
+right = "load_seed = load && !seed_error"
+wrong = "load_seed = load"
+breaks = ["locks"]
+within = 8
+task = "3"
+
+[[faults]]
+meaning = "the refused seed is not reported"
+right = "seed_error = load && (&seed)"
+wrong = "seed_error = load && (seed == {WIDTH{1'b0}})"
+breaks = ["error", "locks"]
+within = 8
+task = "3"
+
+[[faults]]
+meaning = "a seed leaves done as it was"
+right = "if (load_seed) done_reg <= 1'b0;"
+wrong = "if (load_seed && rst) done_reg <= 1'b0;"
+breaks = ["done"]
+within = 14
+task = "3"
+*/
 // The complement of the state steps as the linear register of the polynomial x^WIDTH + sum of x^(WIDTH - tap): the bit that enters is the
 // sum of those at the taps. Its only cycle of one is 0, that is, all ones here. tests/hw/math/test_lfsr.py shows that all polynomials
 // are primitive, so that the other states are one cycle.

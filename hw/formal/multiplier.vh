@@ -1,4 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+product = "p is the product, with sign, of a and b two clocks before"
+
+[[tasks]]
+name = "18"
+parameters = { A_W = 18, B_W = 18 }
+k = 2
+covers_within = 4
+quick = true
+
+[[tasks]]
+name = "mixed"
+parameters = { A_W = 25, B_W = 3 }
+k = 2
+covers_within = 4
+
+[[faults]]
+meaning = "one factor has no sign"
+right = "p_2 <= a_1 * b_1"
+wrong = "p_2 <= a_1 * $signed({1'b0, b_1})"
+breaks = ["product"]
+within = 4
+
+[[faults]]
+meaning = "a clock is missing"
+right = "p_2 <= a_1 * b_1"
+wrong = "p_2 <= a * b"
+breaks = ["product"]
+within = 4
+*/
 reg signed [A_W-1:0] f_a_1, f_a_2;
 reg signed [B_W-1:0] f_b_1, f_b_2;
 reg [1:0] f_clocks;

@@ -1,4 +1,134 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+time = "a word that enters the queue has all ticks that came since the word before, those of dropped events too"
+event = "a kept event enters the queue with its fields"
+flush = "what enters the queue without an event is no event"
+keeps = "an accepted event is dropped exactly if the queue is full, which needs drop_enable"
+room = "nothing enters a full queue"
+ready = "s_ready is high while drop_enable is, else while the queue has room"
+soon = "ticks without event enter the queue at once when it is empty"
+counts = "n_in, n_dropped, n_out and held count what came, was dropped, was taken, and was kept and not taken: n_in = n_out + n_dropped + held"
+dropped = "dropped is high in the clock after one in which an event was dropped"
+
+[[tasks]]
+name = "default"
+parameters = { X_W = 9, Y_W = 9, TICK_W = 20, DEPTH = 256, GAP_W = 48, COUNT_W = 32, HELD_W = 16 }
+k = 2
+covers_within = 10
+only = ["time", "event", "flush", "room", "soon"]
+quick = true
+
+[[tasks]]
+name = "shallow"
+parameters = { X_W = 9, Y_W = 9, TICK_W = 20, DEPTH = 2, GAP_W = 48, COUNT_W = 32 }
+k = 2
+covers_within = 16
+quick = true
+
+[[tasks]]
+name = "small"
+parameters = { X_W = 1, Y_W = 1, TICK_W = 1, DEPTH = 1, GAP_W = 2, COUNT_W = 8 }
+k = 2
+covers_within = 12
+only = ["event", "flush", "keeps", "ready", "soon", "counts", "dropped"]
+
+[[faults]]
+task = "shallow"
+meaning = "the ticks of a dropped event are lost"
+right = "waiting <= ticks;"
+wrong = "waiting <= drops ? waiting : ticks;"
+breaks = ["time"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "ticks that go with an event are not cleared"
+right = "        if (keeps || flushes) begin\n            waiting <= {GAP_W{1'b0}};"
+wrong = "        if (keeps || flushes) begin\n            waiting <= flushes ? {GAP_W{1'b0}} : waiting;"
+breaks = ["time"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "a skipped event is not marked"
+right = "keeps && s_skip"
+wrong = "keeps && s_skip && s_event"
+breaks = ["event"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "ticks alone go as an event"
+right = "keeps && s_event,"
+wrong = "s_event,"
+breaks = ["flush"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "an event is dropped although there is room"
+right = "wire keeps   = comes && room;"
+wrong = "wire keeps   = comes && room && !drop_enable;"
+breaks = ["keeps"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "a full queue is written"
+right = "wire keeps   = comes && room;"
+wrong = "wire keeps   = comes && s_ready;"
+breaks = ["room"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "the source waits although events may be dropped"
+right = "s_ready = drop_enable || room"
+wrong = "s_ready = room"
+breaks = ["ready"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "ticks wait for the next event"
+right = "flushes = !comes && empty && waits"
+wrong = "flushes = !comes && empty && waits && s_valid"
+breaks = ["soon"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "ticks one by one are overlooked"
+right = "{GAP_W{1'b0}}) || s_time;"
+wrong = "{GAP_W{1'b0}});"
+breaks = ["soon"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "an event that comes as one goes is not counted as held"
+right = "if (kept != given) held"
+wrong = "if (kept && given) held <= held + 1'b1; else if (kept != given) held"
+breaks = ["counts"]
+within = 14
+
+[[faults]]
+task = "shallow"
+meaning = "an event that is kept counts as dropped"
+right = "wire drops   = arrives && !room;"
+wrong = "wire drops   = arrives && level == DEPTH - 1;"
+breaks = ["counts", "dropped"]
+within = 12
+
+[[faults]]
+task = "shallow"
+meaning = "an event is dropped that counts as kept"
+right = ".s_valid(keeps || flushes),"
+wrong = ".s_valid((keeps && !s_skip) || flushes),"
+breaks = ["keeps"]
+within = 12
+*/
 // What stands before the queue: fifo and tick_splitter have properties of their own. Ticks that came are summed apart from the registers; sums are modulo 2^GAP_W, counts modulo 2^COUNT_W.
 localparam F_W = X_W + Y_W + 1;
 

@@ -1,4 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "a word that was accepted leaves after those before it, unchanged"
+count = "m_valid is high exactly while more words went in than out, and at most two are held"
+ready = "s_ready is high while less than two words are held, except in the first clock after reset"
+stable = "a word that is not taken stays"
+
+[[tasks]]
+name = "wide"
+parameters = { W = 71 }
+k = 2
+covers_within = 6
+quick = true
+
+[[tasks]]
+name = "bit"
+parameters = { W = 1 }
+k = 2
+covers_within = 6
+
+[[faults]]
+meaning = "the second word overtakes the first"
+right = "m_data_reg <= skid_valid_reg ? skid_data_reg : s_data"
+wrong = "m_data_reg <= s_data"
+breaks = ["order"]
+within = 8
+
+[[faults]]
+meaning = "the second register is overwritten while it waits"
+right = "if (s_ready_reg) skid_data_reg"
+wrong = "skid_data_reg"
+breaks = ["order"]
+within = 8
+
+[[faults]]
+meaning = "a word that comes during a stall is lost"
+right = "(skid_valid_reg || accept);"
+wrong = "skid_valid_reg;"
+breaks = ["count"]
+within = 8
+
+[[faults]]
+meaning = "a word that waits for the output closes the input"
+right = "s_ready_reg <= !skid_valid_next"
+wrong = "s_ready_reg <= output_free && !skid_valid_next"
+breaks = ["ready"]
+within = 8
+
+[[faults]]
+meaning = "a stalled word is replaced"
+right = "output_free = m_ready || !m_valid_reg"
+wrong = "output_free = 1'b1"
+breaks = ["stable"]
+within = 8
+*/
 // A word that is accepted is marked, any one of them; f_ahead counts the words before it, and the marked one must leave after them.
 (* anyconst *) wire [W-1:0] f_word;
 (* anyseq *)   wire         f_choose;

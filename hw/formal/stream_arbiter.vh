@@ -1,4 +1,90 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "a word of a stream leaves after those of its stream before it, unchanged"
+count = "each word that came leaves once; at most two of a stream are inside"
+owner = "each word that leaves is of one stream"
+fair = "while a word of a stream waits, at most N - 1 words of others go before it"
+progress = "the output is valid in the clock after one in which a word waits"
+stable = "a word that is not taken stays"
+
+[[tasks]]
+name = "8"
+parameters = { N = 8, W = 32 }
+k = 2
+covers_within = 14
+quick = true
+
+[[tasks]]
+name = "3"
+parameters = { N = 3, W = 2 }
+k = 2
+covers_within = 10
+quick = true
+
+[[tasks]]
+name = "1"
+parameters = { N = 1, W = 1 }
+k = 2
+covers_within = 8
+
+[[tasks]]
+name = "records"
+parameters = { N = 8, W = 194 }
+k = 2
+covers_within = 14
+
+[[faults]]
+meaning = "the register in front is overwritten while it waits"
+right = "if (s_valid[stream] && s_ready_reg[stream]) waiting"
+wrong = "if (s_valid[stream]) waiting"
+breaks = ["order"]
+within = 8
+
+[[faults]]
+meaning = "a stream is ready although its turn has not come"
+right = "(turn_reg & {N{output_free}})"
+wrong = "turn_reg"
+breaks = ["count"]
+within = 8
+
+[[faults]]
+meaning = "two streams have their turn at once"
+right = "(j < i) ? above_reg[j] || !above_reg[i]"
+wrong = "(j < i) ? above_reg[j] && !above_reg[i]"
+breaks = ["owner"]
+within = 8
+
+[[faults]]
+meaning = "the lowest stream always goes first"
+task = "3"
+right = "above_next[i-1] || turn_next[i-1]"
+wrong = "1'b0"
+breaks = ["fair"]
+within = 14
+
+[[faults]]
+meaning = "the last stream is not among those above"
+task = "3"
+right = "for (i = 1; i < N; i = i + 1) above_next[i]"
+wrong = "above_next = {N{1'b0}}; for (i = 1; i < N - 1; i = i + 1) above_next[i]"
+breaks = ["fair"]
+within = 14
+
+[[faults]]
+meaning = "a word waits a clock before it may have its turn"
+right = "waiting = (s_valid | ~s_ready_reg)"
+wrong = "waiting = (~s_ready_reg)"
+breaks = ["progress"]
+within = 10
+
+[[faults]]
+meaning = "a stalled word is replaced"
+right = "output_free = m_ready || !m_valid_reg"
+wrong = "output_free = 1'b1"
+breaks = ["stable"]
+within = 8
+*/
 // f_stream is any one stream, f_word any one of its words, and f_others counts the words of other streams that leave the registers in
 // front while a word of f_stream waits there. f_owner says whose the word at the output is: with it, what leaves is an interleaving of
 // what came in.

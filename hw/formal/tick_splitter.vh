@@ -1,4 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+order = "an event leaves after those before it, all fields unchanged"
+time = "the ticks of all tokens that leave up to an event sum to those of the tokens that came up to it"
+all = "ticks and events that came have left or are inside"
+dry = "a token is at the output in the second clock after it came"
+stable = "a token that is not taken stays"
+
+[[tasks]]
+name = "default"
+parameters = { X_W = 9, Y_W = 9, WIDE_W = 48, TICK_W = 20 }
+k = 2
+covers_within = 8
+quick = true
+
+[[tasks]]
+name = "bit"
+parameters = { X_W = 1, Y_W = 1, WIDE_W = 8, TICK_W = 1 }
+k = 2
+covers_within = 8
+
+[[tasks]]
+name = "equal"
+parameters = { X_W = 11, Y_W = 11, WIDE_W = 20, TICK_W = 20 }
+k = 2
+covers_within = 8
+
+[[tasks]]
+name = "32"
+parameters = { X_W = 16, Y_W = 16, WIDE_W = 48, TICK_W = 32 }
+k = 2
+covers_within = 8
+
+[[faults]]
+meaning = "an event leaves with the first part of its ticks"
+right = "is_event && !more, is_skip"
+wrong = "is_event, is_skip"
+breaks = ["order", "all"]
+within = 8
+
+[[faults]]
+meaning = "each part that goes ahead loses a half"
+right = "<= halves - 1'b1"
+wrong = "<= halves - 2'd2"
+breaks = ["time", "all"]
+within = 10
+
+[[faults]]
+meaning = "three halves count as two"
+task = "bit"
+right = "more_low  <= &wide_halves[1:0]"
+wrong = "more_low  <= 1'b0"
+breaks = ["time"]
+within = 10
+
+[[faults]]
+meaning = "of the bits beyond, one is not looked at"
+right = "more_high <= (beyond >> SPLIT_W)"
+wrong = "more_high <= (beyond >> (SPLIT_W + 1))"
+breaks = ["time"]
+within = 8
+
+[[faults]]
+meaning = "a token waits for the next one"
+right = ".s_valid(valid),"
+wrong = ".s_valid(valid && s_valid),"
+breaks = ["dry"]
+within = 8
+
+[[faults]]
+meaning = "a stalled token changes"
+file = "skid_buffer.v"
+right = "output_free = m_ready || !m_valid_reg"
+wrong = "output_free = 1'b1"
+breaks = ["stable"]
+within = 8
+*/
 // An event, or a skipped one, that is accepted is marked, any one of them, with the sum f_time of all ticks up to it. f_ahead counts the
 // events before it. Sums are modulo 2^WIDE_W.
 localparam F_W = X_W + Y_W + 3;

