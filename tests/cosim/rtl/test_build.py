@@ -171,15 +171,15 @@ def test_whatever_decides_the_result_misses_the_cache(sources: Path, would_build
     assert would_build(parameters=width, toolchain=replace(find_toolchain(), target="another machine"))
 
 
-def test_the_runtime_is_optimised_less_than_a_model(sources: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.delenv("EVCOT_OPTIMISATION", raising=False)
-    monkeypatch.setenv("EVCOT_CACHE", str(tmp_path))
-    built = build("counter", verilog=sources)
-    compiled = [line for line in (built.shared_object.parent / "build.log").read_text().splitlines() if " -c " in line]
-    levels = {line.split()[-1]: re.findall(r" (-O\w+)", line)[-1] for line in compiled}
+def test_the_runtime_has_options_of_its_own(sources: Path, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    build("counter", {"W": 4}, verilog=sources)
+    lines = [line for log in cache.glob("models/*/build.log") for line in log.read_text().splitlines() if " -c " in line]
+    levels = {line.split()[-1]: re.findall(r" (-O\w+)", line)[-1] for line in lines}
     own = {"Vcounter__ALL.cpp", "evcot_context.cpp"}
-    assert levels == {name: "-O1" if name in own else "-Og" for name in levels}
+    assert levels == {name: "-O0" if name in own else "-Og" for name in levels}
     assert own < levels.keys()
+    monkeypatch.delenv("EVCOT_OPTIMISATION")
+    assert "OPT_FAST=-O1" in find_toolchain().environment["MAKEFLAGS"]
 
 
 def test_only_files_that_the_module_needs_decide(sources: Path, would_build: Callable[..., bool]) -> None:

@@ -362,13 +362,13 @@ class TestClocks:
 
 # Slots, frac and tick_w -> shape, runs of 50,000 events.
 RANDOM: dict[int, tuple[Shape, int]] = {
-    1: (replace(SHAPE, n_slots=1, id_w=8), 4),
+    1: (replace(SHAPE, n_slots=1, id_w=8), 2),
     2: (TWO, 20),
-    3: (SHAPE, 5),
-    8: (EIGHT, 4),
-    21: (replace(SHAPE, n_slots=21, x_w=10, y_w=6, radix_w=7, nev_w=4, tick_w=32, time_w=34), 3),
-    32: (replace(SHAPE, n_slots=32, frac=8, x_w=9, y_w=8, id_w=8, tick_w=3), 3),
-    64: (replace(SHAPE, n_slots=64, frac=0, x_w=8, y_w=8), 3),
+    3: (SHAPE, 3),
+    8: (EIGHT, 2),
+    21: (replace(SHAPE, n_slots=21, x_w=10, y_w=6, radix_w=7, nev_w=4, tick_w=32, time_w=34), 2),
+    32: (replace(SHAPE, n_slots=32, frac=8, x_w=9, y_w=8, id_w=8, tick_w=3), 2),
+    64: (replace(SHAPE, n_slots=64, frac=0, x_w=8, y_w=8), 2),
 }
 
 

@@ -83,4 +83,4 @@ def test_random_looks() -> None:
 
 def test_lint() -> None:
     assert lint("motion_gaps") == (0, "")
-    assert lint("motion_gaps", SLOT_W=1, PX_W=20) == (0, "")
+    assert lint("motion_gaps", SLOT_W=1, PX_W=14) == (0, "")

@@ -41,7 +41,7 @@ def as_tuples(records: NDArray[np.void]) -> list[tuple[int, ...]]:
 
 
 @pytest.mark.parametrize("name", VARIANTS)
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1])
 def test_equals_a_slow_model(name: str, seed: int) -> None:
     registers, events = replace(QUICK, **VARIANTS[name]), scene(seed)
     model = MotionModel(config_of(registers)).feed(events)

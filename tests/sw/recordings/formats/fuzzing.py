@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import warnings
 from collections.abc import Iterator
@@ -16,11 +15,9 @@ from numpy.typing import NDArray
 from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Recording
 from evcot.recordings.files import Damage, read_recording
+from support.testing import EXHAUSTIVE
 
 __all__ = ["Outcomes", "cut_lengths", "fuzz", "sample_of"]
-
-# `make fuzz` leaves nothing out where the usual tests take a sample, because each damaged file takes long to read.
-_THOROUGH = bool(os.environ.get("EVCOT_FUZZ"))
 
 # What a warning says: how many events were lost; or that none is, though the file contradicts itself.
 _LOSS = re.compile(r": (\d+ events left out: |everything after \d+ events left out: |time restarts in )")
@@ -31,12 +28,12 @@ _NO_LOSS = re.compile(
 
 def sample_of(corruptions: int, usual: int) -> int:
     """How many corruptions to try: the usual few, or all."""
-    return corruptions if _THOROUGH else usual
+    return corruptions if EXHAUSTIVE else usual
 
 
 def cut_lengths(content: bytes, usual: int) -> range:
     """Where to cut a file: at the usual few places, or after every byte."""
-    return range(1, len(content), 1 if _THOROUGH else max(1, len(content) // usual))
+    return range(1, len(content), 1 if EXHAUSTIVE else max(1, len(content) // usual))
 
 
 @dataclass
@@ -68,7 +65,7 @@ def fuzz(
         path: where to write; its suffix is the format's, if that matters.
         content: a good file, of about 50 events: every byte of it is a place to cut.
         cuts: whether to cut the file after every byte.
-        corruptions, usual: how many files to damage otherwise: the first with `make fuzz`, the lesser in the usual tests.
+        corruptions, usual: how many files to damage otherwise: the first with `make exhaustive`, the lesser in the usual tests.
         damage: how the files are read.
 
     Raises:
