@@ -21,7 +21,10 @@ import pytest
 import evcot  # before any test imports Numba, which then keeps its kernels where evcot says
 
 TESTS = Path(__file__).parent
-_LONG = {f"test_{name}.py" for name in ("array_steps", "board", "browser", "formal", "gates", "gtkwave", "initial_values", "vectors")}
+_LONG = {
+    f"test_{name}.py"
+    for name in ("array_steps", "board", "browser", "formal", "gates", "gtkwave", "initial_values", "vectors")
+}  # fmt: skip
 
 # Collecting makes two million objects that stay. To search them for garbage while they are made, again and again during the
 # tests, and when a process ends would take 5 % of all time.
