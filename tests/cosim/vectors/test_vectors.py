@@ -106,7 +106,7 @@ def test_vectors_cover_what_the_hardware_can_say() -> None:
 @pytest.mark.parametrize(
     ("vectors", "file", "right", "wrong", "says"),
     [
-        (motion, "axis_records_out.v", "RECORD_SUPPORT_LSB +: SUP_W]    = s_cm_support", "RECORD_SUPPORT_LSB +: SUP_W] = 0", "records["),
+        (motion, "axis_records_out.v", "= s_cm_v_x;", "= s_cm_v_x ^ 1;", "records["),
         (array, "axis_passed_out.v", "assign m_axis_tdata = word;", "assign m_axis_tdata = word ^ 1;", "passed["),
         (array, "axis_owned_out.v", "assign m_axis_tkeep = 8'hff;", "assign m_axis_tkeep = 8'h7f;", "owned[0]"),
     ],
