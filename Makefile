@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants mutations exhaustive fpga fpga-check package clean
+.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants mutations coverage exhaustive fpga fpga-check package clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -58,6 +58,12 @@ mutants: $(VENV)/.installed-test,fpga ## Break RTL and Python at random places a
 
 mutations: $(VENV)/.installed-test ## Make each mistake of tests/mutations.toml in the RTL and check that the tests it names fail (an hour)
 	@$(BIN)/python tests/mutations.py $(ARGS)
+
+coverage: $(VENV)/.installed-test,coverage ## Count lines, branches and bits of the RTL, and branches of Python, that the tests reach (an hour)
+	@rm -rf build/coverage
+	@EVCOT_COVERAGE=$(abspath build/coverage) EVCOT_OPTIMISATION=-Og $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder \
+	  --cov --cov-report=term --cov-report=html:build/coverage/python $(ARGS)
+	@EVCOT_COVERAGE=$(abspath build/coverage) PYTHONPATH=tests $(BIN)/python -m support.rtl_coverage
 
 exhaustive: $(VENV)/.installed-test,fpga ## Run what `make test` samples or leaves out: all damage to files, cot_motion's netlist (an hour)
 	@EVCOT_EXHAUSTIVE=1 $(BIN)/pytest tests/sw/recordings/formats tests/hw/test_gates.py $(ARGS)

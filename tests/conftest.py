@@ -20,6 +20,9 @@ import pytest
 
 import evcot  # before any test imports Numba, which then keeps its kernels where evcot says
 
+if os.environ.get("EVCOT_COVERAGE"):
+    pytest_plugins = ["support.rtl_coverage"]
+
 TESTS = Path(__file__).parent
 _LONG = {
     f"test_{name}.py"
