@@ -11,7 +11,7 @@ from evcot.hardware.contract import Shape
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.ticks import TickedEvents
 
-__all__ = ["PLAIN", "QUICK", "SHAPE", "VARIANTS", "scene"]
+__all__ = ["LEAVES", "PLAIN", "QUICK", "SHAPE", "VARIANTS", "leaves", "scene"]
 
 SHAPE = Shape(n_slots=5, x_w=7, y_w=6, sup_w=9, id_w=3, radix_w=5)
 PLAIN = MotionRegisters(
@@ -72,3 +72,24 @@ def scene(seed: int, n: int = 6_000, period: int = 1) -> TickedEvents:
     place[:, random.random(n) < 0.02] = [[100], [10]]
     x, y = np.clip(np.rint(place), 0, [[127], [63]]).astype(np.uint16)
     return TickedEvents((ticks // period * period).astype(np.int64), x, y, np.zeros(n, np.uint8))
+
+
+LEAVES = replace(QUICK, ring_max=60, return_ticks=100_000, detect_ticks=600)
+
+
+def leaves(lost_tick: int) -> TickedEvents:
+    """A box moves and is silent; has it left at this tick, events at its side still belong to it. Then one moves 40 px away."""
+    random = np.random.default_rng(7)
+
+    def moving(begin: int, ticks: int, x: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        t = np.arange(begin, begin + ticks, 2)
+        side, along = random.integers(0, 4, len(t)), random.uniform(-5, 5, len(t))
+        edge = np.where(side % 2, 5, -5)
+        place_x = x + 0.01 * (t - begin) + np.where(side < 2, edge, along)
+        return t, place_x, 30 + np.where(side < 2, along, edge)
+
+    t = lost_tick + np.arange(1, 42)
+    still = t, np.full(len(t), 70.0), np.full(len(t), 30.0)
+    columns = zip(moving(0, 2_000, 30.0), still, moving(lost_tick + 1_000, 2_000, 90.0), strict=True)
+    ticks, x, y = (np.rint(np.concatenate(column)).astype(np.int64) for column in columns)
+    return TickedEvents(ticks, x.astype(np.uint16), y.astype(np.uint16), np.zeros(len(ticks), np.uint8))

@@ -451,7 +451,7 @@ class SlowArray:
             slot.wait(len(self.owners), now)
         slot.corrects = slot.corrects or kind == "correction"
         ended: list[int] = []
-        void = slot.free
+        void = slot.free or (slot.left and kind == "correction")
         if not void:
             living = [other for other in self.slots if other is not None and not other.free]
             slot.begin(self.support_max)

@@ -154,12 +154,12 @@ module motion_order #(
     wire [1:0]        s_kind, m_kind, k_since, s_since, m_since;
     reg               k_was;        // and what it has written last is being written
     reg               k_visible;    // its slot is
-    reg               passes;       // of the job that is there nothing is computed: its slot is free
+    reg               passes;       // of the job that is there nothing is computed: it is empty
     reg               at_work;      // it has begun
     wire              correcting = !k_rests || k_was;
     wire              merging    = !m_rests;
     reg               waits;        // the job was there a clock before,
-    reg               empty;        // and its slot is free
+    reg               empty;        // and its slot is free, or what it would correct has left
     wire              starts     = begun && !empty && job_kind != 2'd1;  // it begins with what is read of its slot
 
     wire [N-1:0]      settled;
@@ -224,7 +224,7 @@ module motion_order #(
         begin_job <= read_next && (k_load || s_load);
         unite     <= read_next && m_unite;
         waits     <= job_valid && !job_done;
-        empty     <= !job_real || (job_kind != 2'd1 && !visible[job_slot] && !candidate[job_slot] && !left[job_slot]);
+        empty     <= !job_real || (job_kind != 2'd1 && !visible[job_slot] && !candidate[job_slot] && !(job_kind[1] && left[job_slot]));
         passes    <= begun && empty;
         if (begun) at_work <= 1'b1;
         if (job_done) at_work <= 1'b0;

@@ -379,7 +379,7 @@ def _correct(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, in_b
     """An event completes a window of slot i; returns the new number of records."""
     s[i, CORRECTS] = 1
     _wait(s, glob, i, now)
-    if s[i, STATE] == FREE:  # its life has ended
+    if s[i, STATE] == FREE or s[i, STATE] == LEFT:  # its life has ended
         return n
     _begin(s, lim, i)
     s[i, BEYOND] = s[i, EV_BEYOND]

@@ -21,7 +21,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.random_runs import random_motion, random_motion_run
 from support.logs import Square, bursts
-from support.moving import QUICK, SHAPE, VARIANTS, scene
+from support.moving import LEAVES, QUICK, SHAPE, VARIANTS, leaves, scene
 from support.testing import lint
 from support.trials import bare_device
 
@@ -72,6 +72,16 @@ def test_slots_that_are_corrected_more_than_once_in_a_burst(period: int) -> None
     for name in ("quick", "quick turns", "everything is born"):
         config, events = MotionConfig(SHAPE, replace(QUICK, **VARIANTS[name])), scene(5, period=period)
         equal(bare_device(config).stream(events), MotionModel(config).feed(events))
+
+
+def test_what_has_left_is_not_corrected() -> None:
+    """Its last events, which come before this takes effect, complete a window."""
+    config = MotionConfig(SHAPE, LEAVES)
+    records = MotionModel(config).feed(leaves(12_000)).records
+    events = leaves(int(records["time"][records["kind"] == Kind.LOST][0]))
+    decided = MotionModel(config).feed(events)
+    assert np.count_nonzero(decided.owner[1_000:1_041] == 0) >= 40
+    equal(bare_device(config).stream(events), decided)
 
 
 def test_stalls_change_nothing() -> None:

@@ -22,7 +22,7 @@ from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import DROPPED, Kind
 from support.logs import Square, bursts
-from support.moving import QUICK, SHAPE, VARIANTS, scene
+from support.moving import LEAVES, QUICK, SHAPE, VARIANTS, leaves, scene
 from support.slow_motion import SlowArray
 
 FEW_EVENTS = replace(QUICK, birth_support=20, nev_high=10)  # where most events are taken out
@@ -51,6 +51,22 @@ def test_equals_a_slow_model(name: str, seed: int) -> None:
     assert model.owner.tolist() == slow.owners
     assert as_tuples(model.records) == slow.records
     assert len(slow.records) > 0
+
+
+def test_what_has_left_is_not_corrected() -> None:
+    """It may return in the widest window, until its own deadline, though a correction is due when it has left."""
+    config = config_of(LEAVES)
+    records = MotionModel(config).feed(leaves(12_000)).records
+    events = leaves(int(records["time"][records["kind"] == Kind.LOST][0]))
+    model, slow = MotionModel(config), SlowArray(LEAVES, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
+    found = model.feed(events)
+    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
+        slow.event(at, x, y)
+    assert found.owner.tolist() == slow.owners
+    assert as_tuples(found.records) == slow.records
+    kinds = found.records["kind"].tolist()
+    assert (kinds.count(Kind.BORN), kinds.count(Kind.LOST)) == (1, 1)
+    assert found.records["slot"][0] != found.records["slot"][-1], "another slot goes on with the track"
 
 
 @pytest.mark.parametrize("step_ms", [5, 20, 100, 200])
