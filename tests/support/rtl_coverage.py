@@ -2,8 +2,8 @@
 """Which lines, branches and bits of the RTL the tests reach: a pytest plug-in of `make coverage`, and its report.
 
 Verilator counts, in each simulation, how often each point of the RTL is reached. Counts of all simulations in a process are
-added, whatever the parameters and the instance, and written to `$EVCOT_COVERAGE/rtl-WORKER.json`. Neither simulations of RTL that
-a test has broken count, nor those of commands that a test starts.
+added, whatever the parameters and the instance, and written to `$EVCOT_COVERAGE/rtl-WORKER.json`. Simulations of RTL that a
+test has broken do not count, nor those of commands that a test starts.
 """
 
 from __future__ import annotations
