@@ -31,8 +31,13 @@ _FLAGS = ("--coverage-line", "--coverage-toggle")
 _CONTEXTS = """#include <vector>
 #include "verilated_cov.h"
 static std::vector<VerilatedContext*> contexts;
-extern "C" int evcot_contexts() { return contexts.size(); }
-extern "C" void evcot_write_coverage(int which, const char* path) { contexts[which]->coveragep()->write(path); }
+extern "C" int evcot_write_coverage(const char* path) {  // of one simulation, which then no longer counts; 0: there is none
+    if (contexts.empty()) return 0;
+    contexts.back()->coveragep()->write(path);
+    contexts.back()->coveragep()->clear();
+    contexts.pop_back();
+    return 1;
+}
 """
 _KEEPS = "Verilated::threadContextp(context);"
 _POINT = re.compile(
@@ -40,6 +45,7 @@ _POINT = re.compile(
     r"[^\x01]*\x01o\x02(?P<what>[^\x01]*).*' (?P<count>\d+)$"
 )
 _USED: set[Path] = set()
+_FOUND: Counter[str] = Counter()
 _BROKEN: set[Path] = set()
 
 
@@ -74,20 +80,29 @@ def pytest_configure(config: pytest.Config) -> None:
     _count_everything()
 
 
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Add up what all simulations of this process have counted, and write it."""
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
+    """Add up what the simulations of a file's tests have counted; their counters take gigabytes."""
+    if nextitem is not None and nextitem.path == item.path:
+        return
     FOLDER.mkdir(parents=True, exist_ok=True)
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "main")
-    path, found = FOLDER / f"{worker}.dat", Counter[str]()
-    own = {file.name for file in RTL.rglob("*.v")}
+    path = FOLDER / f"{_worker()}.dat"
     for shared_object in _USED:
-        library = ctypes.CDLL(str(shared_object))
-        for which in range(library.evcot_contexts()):
-            library.evcot_write_coverage(which, str(path).encode())
-            found.update(points_of(path.read_text()))
+        write = ctypes.CDLL(str(shared_object)).evcot_write_coverage
+        while write(str(path).encode()):
+            _FOUND.update(points_of(path.read_text()))
     path.unlink(missing_ok=True)
-    counts = {point: count for point, count in sorted(found.items()) if point.partition(":")[0] in own}
-    (FOLDER / f"rtl-{worker}.json").write_text(json.dumps(counts))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write what all simulations of this process have counted."""
+    own = {file.name for file in RTL.rglob("*.v")}
+    counts = {point: count for point, count in sorted(_FOUND.items()) if point.partition(":")[0] in own}
+    if counts:
+        (FOLDER / f"rtl-{_worker()}.json").write_text(json.dumps(counts))
+
+
+def _worker() -> str:
+    return os.environ.get("PYTEST_XDIST_WORKER", "main")
 
 
 def report() -> None:
