@@ -176,9 +176,10 @@ def _alone(task: _Task, events: int) -> tuple[_Done, float]:
     """The same for the array alone, whose registers stay."""
     shape, seed = _shape(task), int(np.random.SeedSequence([task.seed, task.run]).generate_state(1)[0])
     model = build_device(random_motion(np.random.default_rng(seed), shape), waves=False)
+    waits = replace(shape, tc_w=min(shape.tc_w, _WAIT_LOG2 + 2))
     began = time.monotonic()
     try:
-        run = random_motion_run(shape, seed, events, model)
+        run = random_motion_run(waits, seed, events, model)
     except (MismatchError, HardwareError) as error:
         return _Done(task.run, shape, events, 0, 0, str(error)), time.monotonic() - began
     return _Done(task.run, shape, run.events, run.records, 0, ""), time.monotonic() - began
