@@ -27,9 +27,10 @@ cosim: $(VENV)/.installed-run ## RTL, model and software tracker in lock-step [R
 waves: $(VENV)/.installed-run ## A waveform with its GTKWave view [RECORDING=file PRESET=name CONFIG=file.toml]
 	@$(call evcot,waves)
 
-test: $(VENV)/.installed-test ## Run all tests, on all cores
+test: $(VENV)/.installed-test ## Run all tests, on all cores; the results are also in build/junit.xml
 	@PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX=$(abspath $(EVCOT_CACHE))/bytecode EVCOT_OPTIMISATION=-Og \
-	  $(BIN)/pytest -n auto --maxprocesses 8 --max-worker-restart 0 --dist loadfile --no-loadscope-reorder $(ARGS)
+	  $(BIN)/pytest -n auto --maxprocesses 8 --max-worker-restart 0 --dist loadfile --no-loadscope-reorder \
+  --junitxml=build/junit.xml $(ARGS)
 
 bench: $(VENV)/.installed-bench ## Measure speeds: a table, and build/bench/bench.json
 	@$(BIN)/python benchmarks/run.py $(ARGS)
