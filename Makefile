@@ -30,7 +30,7 @@ waves: $(VENV)/.installed-run ## A waveform with its GTKWave view [RECORDING=fil
 test: $(VENV)/.installed-test ## Run all tests, on all cores; the results are also in build/junit.xml
 	@PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX=$(abspath $(EVCOT_CACHE))/bytecode EVCOT_OPTIMISATION=-Og \
 	  $(BIN)/pytest -n auto --maxprocesses 8 --max-worker-restart 0 --dist loadfile --no-loadscope-reorder \
-  --junitxml=build/junit.xml $(ARGS)
+	  --junitxml=build/junit.xml $(ARGS)
 
 bench: $(VENV)/.installed-bench ## Measure speeds: a table, and build/bench/bench.json
 	@$(BIN)/python benchmarks/run.py $(ARGS)
