@@ -303,7 +303,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0] if __doc__ else None)
     parser.add_argument("modules", nargs="*", help=f"of {', '.join(MODULES)} (default: all)")
     parser.add_argument("--share", type=float, default=1.0, help="of the bits (default: all)")
-    parser.add_argument("--seed", type=int, default=1, help="of registers, traffic and upsets (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=22, help="of registers, traffic and upsets (default: %(default)s)")
     parser.add_argument("--output", type=Path, metavar="FILE", help="write seed and numbers")
     options = parser.parse_args()
     if unknown := [name for name in options.modules if name not in MODULES]:
