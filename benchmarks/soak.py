@@ -176,7 +176,7 @@ def _alone(task: _Task, events: int) -> tuple[_Done, float]:
     """The same for the array alone, whose registers stay."""
     shape, seed = _shape(task), int(np.random.SeedSequence([task.seed, task.run]).generate_state(1)[0])
     model = build_device(random_motion(np.random.default_rng(seed), shape), waves=False)
-    waits = replace(shape, tc_w=min(shape.tc_w, _WAIT_LOG2 + 2))
+    waits = replace(shape, tc_w=min(shape.tc_w, _WAIT_LOG2 + 2))  # longer silences than in evcot_top, as clocks are faster here
     began = time.monotonic()
     try:
         run = random_motion_run(waits, seed, events, model)

@@ -5,18 +5,18 @@ python benchmarks/upsets.py                          # every bit of every regist
 python benchmarks/upsets.py cot --share 0.1          # a tenth of them
 python benchmarks/upsets.py --output upsets.json
 
-Each upset turns one bit around, at a random clock in the second fifth to the middle of a busy run with stalls. Its outputs are
-compared with those without upset:
+Each upset inverts one bit, at a random clock between a fifth and half of a busy run with stalls. Its outputs are compared with
+those without upset:
 
-    masked   all are the same
-    heals    those of the last quarter of the events are the same
-    ids      these differ in the ids of tracks alone
-    settings they differ otherwise, and the bit is one of the tracker's settings (of a module u_regs)
-    wrong    they differ otherwise
-    hangs    no handshake for many clocks, or outputs without end
+    masked    all are the same
+    heals     those of the last quarter of the events are the same
+    ids       these differ in the ids of tracks alone
+    settings  they differ otherwise, and the bit is in a register that the user writes (an instance u_regs)
+    wrong     they differ otherwise
+    hangs     no handshake for 60,000 clocks, or more outputs than there is room for
 
-After every run a reset follows; where a run was not masked, one without upset must then give what it gave at first. If one does
-not, the exit code is 1.
+A reset follows every run. If the run was not masked, a run without upset must then give what it gave at first. Otherwise the
+exit code is 1.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ int64_t evcot_variables(char* out, int64_t room) {{
     return text.size();
 }}
 
-// Drives all tokens; at the end of clock `when` turns a bit around. Returns the clocks, or -1 for a hang.
+// Drives all tokens; inverts a bit at the end of clock `when`. Returns the clocks, or -1 for a hang.
 int64_t evcot_upset(V{top}* top, const uint64_t* tokens, int64_t n, int64_t when, uint8_t* at, int bit,
                     uint64_t** out, int64_t* count, int64_t room, int64_t quiet_max) {{
     uint32_t random = 1;
@@ -166,7 +166,7 @@ class Bench:
         self.library.evcot_upset.restype = self.library.evcot_variables.restype = ctypes.c_int64
         make = random_outlines if motion else random_traffic
         self.tokens = _tokens(make(rng, shape, _EVENTS, 2.0), shape)
-        self.module, self.rng, self.config = module, rng, config
+        self.module, self.rng = module, rng
 
     def _ports(self, module: str, parameters: dict[str, int]) -> list[str]:
         plain = build(module, parameters, extra_flags=PORTS_ONLY_FLAGS).load()
@@ -202,7 +202,7 @@ class Bench:
             for step in scope.split(".")[2:]:
                 module = parts[module].get(step, module)
             if not scope.startswith("TOP.TOP") and name in _registers(texts[module]):
-                every = [(entry, bit) for entry in range(min(int(entries), 4096)) for bit in range(int(bits))]
+                every = [(entry, bit) for entry in range(int(entries)) for bit in range(int(bits))]
                 if int(entries) > 1:
                     every = [every[at] for at in self.rng.choice(len(every), min(_OF_MEMORY, len(every)), replace=False)]
                 for entry, bit in every:
@@ -237,8 +237,11 @@ def _registers(text: str) -> frozenset[str]:
     declared: set[str] = set()
     for names in re.findall(r"\breg\b(?:\s+signed)?(?:\s*\[[^\]]*\])?([^;)]*?)(?=;|\)\s*;|\b(?:input|output)\b)", text):
         declared |= set(re.findall(r"(?:^|,)\s*(\w+)", names))
-    assigned = set(re.findall(r"(\w+)(?:\s*\[[^\]]*\])*\s*<=", text))
-    for group in re.findall(r"\{([^{}]*)\}\s*<=", text):
+    statements, found = text, 1
+    while found:  # conditions, in which <= compares
+        statements, found = re.subn(r"\([^()]*\)", "", statements)
+    assigned = set(re.findall(r"(\w+)(?:\s*\[[^\]]*\])*\s*<=", statements))
+    for group in re.findall(r"\{([^{}]*)\}\s*<=", statements):
         assigned |= set(re.findall(r"\b([a-z_]\w*)", group))
     return frozenset(declared & assigned)
 

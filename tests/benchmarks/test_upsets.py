@@ -15,7 +15,7 @@ module half #(parameter W = 4) (
     reg signed [3:0] a, b;
     reg [7:0] words [0:15];
     reg next;
-    wire less = a <= b;
+    wire less = (b <= a);
     skid_buffer #(
         .W(3)
     ) u_one (

@@ -67,7 +67,7 @@ WRITE = write(STATUS, 0)[1]
 SOFT_RESET = write(CONTROL, 1 << 9)
 EVENTS, QUIET = 150, 2_000
 WITHOUT_FILTERS = [("cot_array", 0), ("cot_chain", 0), ("cot_motion", 0)]
-BUILDS = [*(("cot_array", has) for has in (0x55, 0xAA, 0xFF)), *WITHOUT_FILTERS]  # each filter behind others, and at the head
+BUILDS = [*(("cot_array", has) for has in (0x55, 0xAA, 0xFF)), *WITHOUT_FILTERS]  # every second filter, the others, and all
 EVERY_BUILD = pytest.mark.parametrize(("module", "has"), BUILDS, ids=[f"{module}, filters {has}" for module, has in BUILDS])
 
 

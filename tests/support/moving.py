@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from evcot.hardware.contract import Shape
 from evcot.hardware.motion.contract import MotionRegisters
@@ -78,10 +80,10 @@ LEAVES = replace(QUICK, ring_max=60, return_ticks=100_000, detect_ticks=600)
 
 
 def leaves(lost_tick: int) -> TickedEvents:
-    """A box moves and is silent; has it left at this tick, events at its side still belong to it. Then one moves 40 px away."""
+    """A box moves, then is silent until it has left at this tick. At once events come where it was; later another box moves near."""
     random = np.random.default_rng(7)
 
-    def moving(begin: int, ticks: int, x: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def moving(begin: int, ticks: int, x: float) -> tuple[NDArray[Any], ...]:
         t = np.arange(begin, begin + ticks, 2)
         side, along = random.integers(0, 4, len(t)), random.uniform(-5, 5, len(t))
         edge = np.where(side % 2, 5, -5)

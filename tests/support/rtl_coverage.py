@@ -46,7 +46,6 @@ _POINT = re.compile(
 )
 _USED: set[Path] = set()
 _FOUND: Counter[str] = Counter()
-_BROKEN: set[Path] = set()
 
 
 def _count_everything() -> None:
@@ -59,7 +58,8 @@ def _count_everything() -> None:
     @functools.wraps(make)
     def made(*args: Any, verilog: Path | None = None, **more: Any) -> build.BuiltModel:
         model = make(*args, verilog=verilog, **more)
-        (_USED if (verilog or verilog_dir()) == RTL else _BROKEN).add(model.shared_object)
+        if (verilog or verilog_dir()) == RTL:
+            _USED.add(model.shared_object)
         return model
 
     build.build = made
