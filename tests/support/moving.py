@@ -80,7 +80,7 @@ LEAVES = replace(QUICK, ring_max=60, return_ticks=100_000, detect_ticks=600)
 
 
 def leaves(lost_tick: int) -> TickedEvents:
-    """A box moves, then is silent until it has left at this tick. At once events come where it was; later another box moves near."""
+    """A box moves, and is silent until it has left at this tick. Events where it was come at once, another box later, near."""
     random = np.random.default_rng(7)
 
     def moving(begin: int, ticks: int, x: float) -> tuple[NDArray[Any], ...]:
