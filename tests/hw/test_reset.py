@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reset of one clock, at any moment of busy traffic, leaves nothing behind in any tracker."""
+"""A reset of one clock, at any moment of busy traffic, leaves nothing behind in any tracker; what an upset stops begins again."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import upsets
 from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot_cosim.devices.device import Device
@@ -56,3 +57,18 @@ def test_after_a_reset_of_one_clock_nothing_comes_out(module: str) -> None:
         for _ in range(60):
             assert [output for output in OUTPUTS if getattr(io, f"{output}_valid")] == []
             device.sim.clock.tick()
+
+
+def test_a_watchdog_frees_the_streams_of_cot_motion() -> None:
+    print("seed 22")
+    bench = upsets.Bench("cot_motion", 22)
+    clean = bench.run()
+    heads = [bit for bit in bench.bits(1.0) if bit.name.endswith("u_jobs.head")]
+    assert heads
+    for bit in heads:
+        found = bench.run(12_000, bit)
+        assert clean.clocks < found.clocks < clean.clocks + (1 << 15)
+        seq = bench.columns["own"].index("m_own_seq")
+        restart = np.flatnonzero(np.diff(found.own[:, seq].astype(np.int64)) < 0)
+        assert len(restart) == 1, "event numbers begin again, once"
+        assert len(found.own) - restart[0] > 100, "slots are as the registers have them: they own events again"

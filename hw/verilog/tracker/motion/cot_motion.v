@@ -14,7 +14,7 @@
 //             Jobs: see motion_correct.v and motion_step.v.
 // Stall:      every output is held until accepted.
 // Reset:      turns all slots off, and gives the registers their defaults; then memories are cleared, for 2^(W + 1) clocks of the larger
-//             address width W, in which no token is accepted.
+//             address width W, in which no token is accepted. If an upset has stopped the streams, a watchdog resets all but the registers.
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -124,10 +124,31 @@ module cot_motion #(
         .regs           (regs)
     );
 
+    // ---- watchdog ----------------------------------------------------------------------------------------------------
+
+    // Clocks in which nothing moves: more than any job takes, and more than the memories are cleared for.
+    localparam WORST_W = (X_W > Y_W ? X_W : Y_W) + 2;
+    localparam STUCK_W = WORST_W > 14 ? WORST_W : 14;
+
+    reg [STUCK_W-1:0] still_clocks;
+    reg               stuck, held;
+    wire              holds, job_done;
+    wire              restart = rst || stuck;
+
+    // A motion step moves time. An output that is not accepted waits for its user.
+    always @(posedge clk) begin
+        held         <= holds;
+        still_clocks <= still_clocks + {{(STUCK_W - 1) {1'b0}}, 1'b1};
+        if (idle || job_done || (holds && !held) || (s_valid && s_ready) || m_cm_valid || m_own_valid || m_pass_valid) begin
+            still_clocks <= {STUCK_W{1'b0}};
+        end
+        stuck <= &still_clocks;
+        if (restart) {still_clocks, stuck, held} <= {(STUCK_W + 2) {1'b0}};
+    end
+
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
     wire [TIME_W-1:0] now, next_step;
-    wire              holds;
     wire              q_valid, q_due, q_runs, q_late, q_far, q_event, q_skip, q_p, q_burst, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
@@ -146,7 +167,7 @@ module cot_motion #(
         .DUE_W (DUE_W)
     ) u_queue (
         .clk      (clk),
-        .rst      (rst),
+        .rst      (restart),
         .opens    (masks_ready),
         .s_valid  (s_valid),
         .s_ready  (s_ready),
@@ -202,7 +223,8 @@ module cot_motion #(
         .DUE_W (DUE_W)
     ) u_turn (
         .clk        (clk),
-        .rst        (rst),
+        .rst        (restart),
+        .cfg_rst    (rst),
         .cfg_valid  (cfg_valid),
         .cfg_slot   (cfg_slot),
         .cfg_addr   (cfg_addr),
@@ -261,7 +283,7 @@ module cot_motion #(
         comes <= s_valid || cfg_valid;
         none  <= calm && still && !comes && !s_valid && !cfg_valid;
         idle  <= none && !s_valid && !cfg_valid;
-        if (rst) {calm, still, none, idle} <= 4'b0000;
+        if (restart) {calm, still, none, idle} <= 4'b0000;
     end
 
     // ---- events --------------------------------------------------------------------------------------------------------
@@ -296,7 +318,7 @@ module cot_motion #(
         .TIME_W (TIME_W)
     ) u_events (
         .clk        (clk),
-        .rst        (rst),
+        .rst        (restart),
         .ready      (masks_ready),
         .s_valid    (takes_token),
         .s_event    (q_event),
@@ -363,7 +385,7 @@ module cot_motion #(
 
     // ---- jobs ----------------------------------------------------------------------------------------------------------
 
-    wire                job_valid, job_done, job_real, job_flag, job_waits, finish, ends;
+    wire                job_valid, job_real, job_flag, job_waits, finish, ends;
     wire [1:0]          job_kind;
     wire [X_W-1:0]      job_x;
     wire [Y_W-1:0]      job_y;
@@ -385,7 +407,7 @@ module cot_motion #(
         .DUE_W (DUE_W)
     ) u_jobs (
         .clk       (clk),
-        .rst       (rst),
+        .rst       (restart),
         .j_valid   (j_valid),
         .j_real    (!j_kind[1] || step_real),
         .j_flag    (j_kind[1] ? step_pauses : j_burst),
@@ -442,7 +464,7 @@ module cot_motion #(
         .SLOT_W(SLOT_W)
     ) u_gaps (
         .clk      (clk),
-        .rst      (rst),
+        .rst      (restart),
         .slot     (bin_slot),
         .count    (bin_count),
         .in_x     (in_bin_x),
@@ -487,7 +509,7 @@ module cot_motion #(
         .TIME_W(TIME_W)
     ) u_work (
         .clk            (clk),
-        .rst            (rst),
+        .rst            (restart),
         .job_valid      (job_valid),
         .job_done       (job_done),
         .job_real       (job_real),
@@ -552,7 +574,7 @@ module cot_motion #(
         .TIME_W(TIME_W)
     ) u_record (
         .clk         (clk),
-        .rst         (rst),
+        .rst         (restart),
         .say         (say),
         .free        (record_free),
         .kind        (kind),
@@ -597,7 +619,7 @@ module cot_motion #(
         .SLOT_W(SLOT_W)
     ) u_output (
         .clk         (clk),
-        .rst         (rst),
+        .rst         (restart),
         .s_valid     (d_valid && d_event),
         .s_owned     (d_owned),
         .s_slot      (d_slot),

@@ -9,7 +9,7 @@
 // Latency:    1 clock from d_valid to now; 4 from a change of step_log2 to next_step.
 // Throughput: a token per clock; behind a slot that takes effect, 6 clocks to the next token, and 12 to the next such slot. A step in 5.
 // Stall:      tokens wait for jobs that are due; a step for room for its job.
-// Reset:      turns all slots off; the first step is slot 0's, at 2^step_log2.
+// Reset:      the first step is slot 0's, at 2^step_log2. cfg_rst, which comes with rst, turns all slots off.
 // Combinational paths: q_runs, q_late, q_far, due_valid, due_any and op_clear -> takes_token; op_clear -> op_effect; op_clear and
 //             alive -> op_step.
 `default_nettype none
@@ -23,6 +23,7 @@ module motion_turn #(
 ) (
     input  wire              clk,
     input  wire              rst,
+    input  wire              cfg_rst,
 
     input  wire              cfg_valid,
     input  wire [SLOT_W-1:0] cfg_slot,
@@ -145,7 +146,7 @@ module motion_turn #(
     );
 
     always @(posedge clk) begin
-        wrote        <= cfg_valid && cfg_addr == `EVCOT_MREG_MODE && !rst;
+        wrote        <= cfg_valid && cfg_addr == `EVCOT_MREG_MODE && !cfg_rst;
         wrote_slot   <= cfg_slot;
         wrote_seeded <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
     end
@@ -157,7 +158,7 @@ module motion_turn #(
     always @(posedge clk) begin
         seeded  <= wrote_seeded ? seeded | writes : seeded & ~writes;
         restart <= (restart & ~ends) | writes;
-        if (rst) {seeded, restart} <= {(2 * N) {1'b0}};
+        if (cfg_rst) {seeded, restart} <= {(2 * N) {1'b0}};
     end
 
     always @(posedge clk) begin

@@ -65,9 +65,9 @@ def test_random_traffic(seed: int) -> None:
     sim, around = load("motion_turn", widths, extra_flags=PORTS_ONLY_FLAGS), Surroundings(rng)
     io = sim.io
     io.step_log2 = step_log2 = 5
-    io.rst = 1
+    io.rst = io.cfg_rst = 1
     sim.clock.tick()
-    io.rst = 0
+    io.rst = io.cfg_rst = 0
     next_step, now, issued, step_slot, seeded = 1 << step_log2, 0, 0, 0, [False] * N
     period = next_before = next_step
     restarts: dict[int, int] = {}  # slots that live and must end, and since when
