@@ -106,11 +106,12 @@ echo; echo "next: . $(VENV)/bin/activate"; \
 echo "      evcot info FILE; evcot track FILE -o log.npz; evcot cosim FILE; evcot -h"
 endef
 
-# One stamp for each set of extras; without extras it is called "run".
+# One stamp for each set of extras, and one for each extra of it; without extras it is called "run".
+comma := ,
 $(VENV)/.installed-%: pyproject.toml $(VENV)/.created
 	@echo "Installing evcot$(if $(filter-out run,$*), and its $* tools) into $(VENV) ..."
 	@$(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile -e '.$(if $(filter-out run,$*),[$*])'
-	@touch $@
+	@touch $@ $(VENV)/.installed-run $(patsubst %,$(VENV)/.installed-%,$(subst $(comma), ,$*))
 
 $(VENV)/.created:
 	@missing=; python=; old=; \

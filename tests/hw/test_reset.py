@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reset of one clock, at any moment of busy traffic, leaves nothing behind in any tracker; what an upset stops begins again."""
+"""A reset of one clock, at any moment of busy traffic, leaves nothing behind in any tracker; what an upset stops resumes."""
 
 from __future__ import annotations
 
