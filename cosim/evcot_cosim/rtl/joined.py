@@ -2,12 +2,14 @@
 """Print one C++ file that includes all files of a model. make runs this in place of Verilator's own script, with its arguments.
 
 Code that runs only once, which Verilator writes to files of its own, is not optimised: builds are shorter, at the same speed.
-Nothing but `sys` is imported, so that it starts at once.
+EVCOT_ONE_TRIGGER is defined if nothing but the clock triggers a part of the model. Nothing but `sys` is imported, so that it
+starts at once.
 """
 
 import sys
 
 _SLOW = "__Slow.cpp"
+_TRIGGERED = "ULL & vlSelfRef.__V"  # behind the bit of a trigger
 _UNOPTIMISED = """#pragma GCC push_options
 #pragma GCC optimize ("O0")
 #pragma GCC diagnostic ignored "-Wattributes"
@@ -17,6 +19,8 @@ _UNOPTIMISED = """#pragma GCC push_options
 
 def main(arguments: list[str]) -> None:
     """Print the file for -DNAME=VALUE and names of C++ files, in their order."""
+    if has_one_trigger([argument for argument in arguments if not argument.startswith("-D")]):
+        print("#define EVCOT_ONE_TRIGGER")
     for argument in arguments:
         if argument.startswith("-D"):
             name, _, value = argument[2:].partition("=")
@@ -25,6 +29,16 @@ def main(arguments: list[str]) -> None:
             print(_UNOPTIMISED.format(argument))  # declares fast functions again, which stay as they are
         else:
             print(f'#include "{argument}"')
+
+
+def has_one_trigger(names: list[str]) -> bool:
+    """Whether the code in these files asks for the first trigger alone."""
+    asked = set()
+    for name in names:
+        with open(name, encoding="utf-8") as file:
+            before = file.read().split(_TRIGGERED)[:-1]
+        asked |= {text[text.rfind("(") + 1 :] for text in before}
+    return asked == {"1"}
 
 
 if __name__ == "__main__":

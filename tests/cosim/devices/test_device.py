@@ -34,6 +34,7 @@ from evcot_cosim.devices.device import Device, _order_of, build_device
 from evcot_cosim.devices.tracker import DeviceTracker
 from evcot_cosim.lockstep.lockstep import Lockstep
 from evcot_cosim.lockstep.random_runs import random_motion_run, random_outlines
+from evcot_cosim.rtl import build as building
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
 from support.tokens import ticked
@@ -282,6 +283,15 @@ class TestFaults:
             bare_device(config, verilog=verilog).stream(ticked(np.arange(14), x, x))
         if seq is not None:
             assert caught.value.seq == seq
+
+
+def test_a_model_that_more_than_the_clock_triggers_is_evaluated_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a Verilator that leaves signals of the filters in a circle."""
+    monkeypatch.setattr(building, "_VERILATOR_FLAGS", (*building._VERILATOR_FLAGS, "-fno-dfg"))
+    filters = FilterConfig(refractory_us=2)
+    config = replace(config_of("cot_array"), filters=filters.registers(1), filter_shape=filters.shape(128, 128))
+    device, events = Device(config), traffic(1000)
+    assert same(device.stream(events), golden_model(config).feed(events))
 
 
 class TestDumping:
