@@ -169,7 +169,7 @@ module motion_gaps #(
                 state <= WIDE;
             end
             WIDE: begin
-                wide <= widest != 4'd0 && width >= {{(WIDE_W - PX_W) {1'b0}}, narrowest};
+                wide <= widest != 4'd0 && !(width < {{(WIDE_W - PX_W) {1'b0}}, narrowest});
                 if (at == 5'd4) state <= JUDGE;
             end
             JUDGE: begin

@@ -81,7 +81,7 @@ module motion_meeting #(
 
     function at_most;
         input signed [PX_W-1:0] low, high;
-        at_most = low <= high;
+        at_most = !(high < low);  // smaller than low <= high
     endfunction
 
     // Intervals of one axis: lo and hi of each.
@@ -115,7 +115,7 @@ module motion_meeting #(
     function at_least;
         input [PX_W-1:0] low;
         input [PX_W:0]   far;
-        at_least = $signed({low[PX_W-1], low}) <= $signed(far);
+        at_least = !($signed(far) < $signed({low[PX_W-1], low}));
     endfunction
 
     always @(posedge clk) begin

@@ -60,7 +60,7 @@ module motion_pace #(
     reg  [SIDE_W-1:0]          shorter;
     reg  [2:0]                 slow;
     reg  [SIDE_W-1:0]          way_slow;  // in 2^slow steps
-    wire                       too_slow = slow != 3'd1 && way_slow > shorter;
+    wire                       too_slow = slow != 3'd1 && shorter < way_slow;
 
     // ---- the pipeline: an axis enters it in every second clock and goes through its stages 3 to 5 twice ------------------------
 
@@ -120,7 +120,7 @@ module motion_pace #(
 
         speed_1 <= stated[PACE_W-1] ? -stated : stated;
         speed_2 <= speed_1;
-        speed   <= speed_1 > speed_2 ? speed_1 : speed_2;
+        speed   <= speed_2 < speed_1 ? speed_1 : speed_2;
         shorter <= side_x < side_y ? side_x : side_y;
         if (followed[2]) begin
             slow     <= SLOW_MAX;

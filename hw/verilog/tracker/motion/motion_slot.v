@@ -215,7 +215,7 @@ module motion_slot #(
         least_gain <= burst ? 4'd1 : slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
         gain     <= least_gain + {3'd0, meets};
         room     <= meets ? 4'd0 : burst ? 4'd1 : gain_fast == 4'd0 || least_gain < gain_fast ? 4'd0 : least_gain - gain_fast;
-        look_due <= gap_corrections != 8'd0 && (merged || {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections});
+        look_due <= gap_corrections != 8'd0 && (merged || !({1'b0, looked} + 9'd1 < {1'b0, gap_corrections}));
         next_log2 <= {log2_of(length_y), log2_of(length_x)};
         outline  <= {1'b0, length_x} + {1'b0, length_y};
 

@@ -141,8 +141,8 @@ module motion_times #(
         dividing <= divide || divides;
         older   <= ahead[TIME_W];
         many    <= |other[TIME_W-1:16];
-        enough  <= together >= {6'd0, join_steps} && (many ? &together : together >= other[15:0]);
-        overdue <= many || other[15:0] >= {6'd0, report_steps};
+        enough  <= !(together < {6'd0, join_steps}) && (many ? &together : !(together < other[15:0]));
+        overdue <= many || !(other[15:0] < {6'd0, report_steps});
 
         if (rst) begin
             grants   <= 1'b0;

@@ -72,6 +72,8 @@ module motion_window #(
     wire [7:0]               far    = part[7:0] + ring_px;
     wire signed [PX_W:0]     spare  = {{(PX_W - 8) {room[8]}}, room} - {1'b0, part};  // negative where the ring is as wide as it may be
     wire signed [PX_W-1:0]   wide   = {{(PX_W - 8) {1'b0}}, ring};
+    wire                     leans_x = {1'b0, speed_y} < {speed_x, 1'b0};  // it does not move along y
+    wire                     leans_y = {1'b0, speed_x} < {speed_y, 1'b0};
 
     assign soon = step[3];
     assign box = {low_x, high_x, low_y, high_y};
@@ -92,12 +94,12 @@ module motion_window #(
         second_2 <= second_1;
         if (second_2) times_y <= times[PX_W+3:0];
         else times_x <= times[PX_W+3:0];
-        is_long_x <= {4'd0, length_x} >= times_y;
-        is_long_y <= {4'd0, length_y} >= times_x;
+        is_long_x <= !({4'd0, length_x} < times_y);
+        is_long_y <= !({4'd0, length_y} < times_x);
 
         // Of two speeds of 0, that of y.
-        along_y <= known && {1'b0, speed_y} >= {speed_x, 1'b0};
-        along_x <= known && {1'b0, speed_x} >= {speed_y, 1'b0} && {1'b0, speed_y} < {speed_x, 1'b0};
+        along_y <= known && !leans_x;
+        along_x <= known && !leans_y && leans_x;
 
         // Of the pixel of a side, rounded to nearest, and of the length, which the inputs have.
         step <= {step[3:0], start};
