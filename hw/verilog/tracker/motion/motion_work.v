@@ -21,7 +21,7 @@ module motion_work #(
     parameter Y_W    = 9,
     parameter SIDE_W = 25,
     parameter PX_W   = 13,
-    parameter REL_W  = 10,  // bits of a recentred address
+    parameter REL_W  = 10,  // bits of a recentred address, at most PX_W + 1
     parameter SUP_W  = 16,
     parameter ID_W   = 32,
     parameter TIME_W = 48
@@ -309,7 +309,7 @@ module motion_work #(
     wire [7:0]          runs;
     wire                meets_now;
     wire [4*PX_W-1:0]   other_box, other_window;
-    reg  [PX_W+REL_W-1:0] middle_x, middle_y;  // of the box, half pixels: the lower part counts
+    reg  [PX_W:0]       middle_x, middle_y;  // of the box, half pixels
     wire                asks;
     wire [SLOT_W-1:0]   asked;
     wire [PX_W-1:0]     cut_px;
@@ -317,9 +317,9 @@ module motion_work #(
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
 
-    function [PX_W+REL_W-1:0] wide;
+    function [PX_W:0] wide;
         input [PX_W-1:0] bound;
-        wide = {{REL_W{bound[PX_W-1]}}, bound};
+        wide = {bound[PX_W-1], bound};
     endfunction
 
     always @(posedge clk) begin
@@ -666,6 +666,7 @@ module motion_work #(
         .left     (left),
         .box      (box),
         .window   (window),
+        .middle   ({middle_y, middle_x}),
         .join_reach(regs[`MOTION_JOIN_REACH]),
         .join_px  (regs[`MOTION_JOIN_PX]),
         .asks     (asks),
@@ -704,7 +705,7 @@ module motion_work #(
         .appears      (appears)
     );
 
-    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden, middle_x, middle_y};
+    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden};
 
 endmodule
 
