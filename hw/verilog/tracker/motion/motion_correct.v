@@ -76,9 +76,8 @@ module motion_correct #(
 );
 
     localparam [1:0] LAST     = 2'd0;
-    localparam [1:0] UNTIL    = 2'd1;
-    localparam [1:0] SEEDED   = 2'd2;
-    localparam [1:0] REPORTED = 2'd3;
+    localparam [1:0] SEEDED   = 2'd1;
+    localparam [1:0] REPORTED = 2'd2;
 
     localparam [4:0] REST    = 5'd0;   // waits for a job
     localparam [4:0] SEED    = 5'd1;   // a candidate begins
@@ -283,7 +282,6 @@ module motion_correct #(
                 state       <= KEPT;
             end
             KEPT: begin
-                since      <= UNTIL;
                 keep_until <= 1'b1;
                 rests      <= 1'b1;
                 state      <= REST;

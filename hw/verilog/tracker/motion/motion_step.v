@@ -102,9 +102,8 @@ module motion_step #(
 );
 
     localparam [1:0] LAST     = 2'd0;
-    localparam [1:0] UNTIL    = 2'd1;
-    localparam [1:0] SEEDED   = 2'd2;
-    localparam [1:0] REPORTED = 2'd3;
+    localparam [1:0] SEEDED   = 2'd1;
+    localparam [1:0] REPORTED = 2'd2;
 
     localparam [4:0] REST    = 5'd0;   // waits for a start
     localparam [4:0] AGE     = 5'd3;   // has its life ended?
@@ -206,7 +205,7 @@ module motion_step #(
             REST: begin
                 alone    <= end_life;
                 at       <= work_slot;
-                since    <= UNTIL;
+                since    <= LAST;
                 stays    <= 1'b0;
                 compared <= 1'b0;
                 widest   <= 1'b0;
@@ -220,7 +219,6 @@ module motion_step #(
             end
             AGE: begin
                 over  <= ended;
-                since <= LAST;
                 state <= FETCHED;
             end
             FETCHED:
@@ -283,7 +281,6 @@ module motion_step #(
                     if (widest) begin
                         lapse      <= !stays;
                         leave      <= 1'b1;
-                        since      <= UNTIL;
                         keep_until <= !stays;
                         state      <= DONE;
                     end

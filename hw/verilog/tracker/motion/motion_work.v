@@ -99,7 +99,7 @@ module motion_work #(
     // ---- what is done, in order ----------------------------------------------------------------------------------------
 
     wire              begun, lane, q_meets, look_due, merged, fetch, of_job, looks, inverse_goes_on, too_long, window_soon, window_done;
-    wire              silent, ended, older, dividing, enough, overdue, pair_done, alike, weaker, meet_done, held, touches, appears, meets;
+    wire              silent, ended, older, later, dividing, enough, overdue, pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, returned, this_slot;
     wire [N-1:0]      nearby;
@@ -188,6 +188,7 @@ module motion_work #(
         .silent      (silent),
         .ended       (ended),
         .older       (older),
+        .later       (later),
         .dividing    (dividing),
         .enough      (enough),
         .overdue     (overdue),
@@ -522,6 +523,7 @@ module motion_work #(
         .coast_ticks (regs[`MOTION_COAST_TICKS]),
         .return_ticks(regs[`MOTION_RETURN_TICKS]),
         .hold        (c_hold),
+        .later       (later),
         .take        (c_take),
         .divide      (c_divide),
         .down        ({1'b0, regs[`MOTION_STEP_LOG2]} + (c_by_life ? {2'b00, regs[`MOTION_JOIN_LIFE]} : 6'd0)),
