@@ -129,7 +129,7 @@ module motion_work #(
         keeps_start <= c_keep_start;
         may_return <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         resting    <= v == 32'd0;
-        if (begun && job_flag && job_kind[1]) paused <= paused + ({{(TIME_W - 1) {1'b0}}, 1'b1} << regs[`MOTION_STEP_LOG2]);
+        if (begun && job_flag && job_kind[1]) paused <= paused + {{(TIME_W - 21) {1'b0}}, 21'd1 << regs[`MOTION_STEP_LOG2]};  // of at most 2^20 ticks
         counted    <= job_time - paused;
         if (rst) begin
             paused  <= {TIME_W{1'b0}};
