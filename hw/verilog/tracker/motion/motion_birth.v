@@ -41,10 +41,19 @@ module motion_birth #(
     wire [PX_W-1:0]   least        = {{(PX_W - 8) {1'b0}}, birth_px};
     wire [WIDE_W-1:0] wide_support = {{(WIDE_W - SUP_W) {1'b0}}, support};
     wire [WIDE_W-1:0] wide_birth   = {{(WIDE_W - 16) {1'b0}}, birth_support};
-    wire [SIDE_W+2:0] ahead        = {1'b0, too_near} - {way[SIDE_W+1], way};  // either is negative where it has gone far
-    wire [SIDE_W+2:0] behind       = {1'b0, too_near} + {way[SIDE_W+1], way};
+    wire [SIDE_W+2:0] short_of;       // so much, negative where it has gone far
 
-    wire unused = &{1'b0, ahead[SIDE_W+1:0], behind[SIDE_W+1:0]};
+    wire unused = &{1'b0, short_of[SIDE_W+1:0]};
+
+    motion_sum #(
+        .W(SIDE_W + 3)
+    ) u_short_of (
+        .adds (1'b1),
+        .a    ({1'b0, too_near}),
+        .minus(!way[SIDE_W+1]),
+        .b    ({way[SIDE_W+1], way}),
+        .y    (short_of)
+    );
 
     always @(posedge clk) begin
         way      <= {sum[SIDE_W], sum} - {start[SIDE_W], start};
@@ -62,7 +71,7 @@ module motion_birth #(
         early    <= age[23:0] < birth_ticks;  // if it is not old
         small_x  <= side_x[SIDE_W-1:12] < least;
         small_y  <= side_y[SIDE_W-1:12] < least;
-        goes_far <= ahead[SIDE_W+2] || behind[SIDE_W+2];
+        goes_far <= short_of[SIDE_W+2];
         went_far <= goes_far;
         appears  <= (goes_far || went_far) && !young && !small_x && !small_y && !few && (old || !early);
     end

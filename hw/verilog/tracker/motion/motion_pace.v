@@ -56,10 +56,21 @@ module motion_pace #(
     // ---- how many steps the means are over -------------------------------------------------------------------------------
 
     reg  [PACE_W-1:0]          speed_1, speed_2, speed;
+    wire [PACE_W-1:0]          size;      // of the velocity that was read
     reg  [SIDE_W-1:0]          shorter;
     reg  [1:0]                 slow;      // log2 of them, less 1
     reg  [SIDE_W-1:0]          way_slow;  // in 2^slow steps
     wire                       too_slow = slow != 2'd0 && shorter < way_slow;
+
+    motion_sum #(
+        .W(PACE_W)
+    ) u_size (
+        .adds (1'b0),
+        .a    ({PACE_W{1'b0}}),
+        .minus(stated[PACE_W-1]),
+        .b    (stated),
+        .y    (size)
+    );
 
     // ---- the pipeline: an axis enters it in every second clock and goes through its stages 3 to 5 twice ------------------------
 
@@ -117,7 +128,7 @@ module motion_pace #(
         if (on_y) v_y <= stated[PACE_W-1:1];
         else v_x <= stated[PACE_W-1:1];
 
-        speed_1 <= stated[PACE_W-1] ? -stated : stated;
+        speed_1 <= size;
         speed_2 <= speed_1;
         speed   <= speed_2 < speed_1 ? speed_1 : speed_2;
         shorter <= side_x < side_y ? side_x : side_y;

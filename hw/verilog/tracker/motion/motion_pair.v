@@ -57,8 +57,8 @@ module motion_pair #(
     wire [15:0]           faster    = {1'b0, speed} - {1'b0, fast};
     wire                  slower    = faster[15];
     reg  signed [17:0]    most;              // by how much they may differ
-    wire signed [17:0]    over      = most - {between[16], between};
-    wire signed [17:0]    under     = most + {between[16], between};
+    wire [17:0]           margin;            // of that, beside their difference: negative where it is more
+    wire [14:0]           taken_speed;
 
     // ---- boxes: both lengths, then the two other differences of a high and a low bound; the least is how far they overlap --
 
@@ -91,6 +91,26 @@ module motion_pair #(
     wire                   busy       = |step || |part || waits;
     wire                   judges     = waits && (!along || shifted);
 
+    motion_sum #(
+        .W(15)
+    ) u_speed (
+        .adds (1'b0),
+        .a    (15'd0),
+        .minus(taken[15]),
+        .b    (taken[14:0]),
+        .y    (taken_speed)
+    );
+
+    motion_sum #(
+        .W(18)
+    ) u_margin (
+        .adds (1'b1),
+        .a    (most),
+        .minus(!between[16]),
+        .b    ({between[16], between}),
+        .y    (margin)
+    );
+
     always @(posedge clk) begin
         weaker    <= less;
         takes_own <= less == (step[1] || step[2]);
@@ -99,10 +119,10 @@ module motion_pair #(
         on_y     <= start || (busy && !on_y);
         v        <= on_y ? other_v_y : other_v_x;
         own_v    <= on_y ? one_v_y : one_v_x;
-        speed    <= taken[15] ? -taken[14:0] : taken[14:0];
+        speed    <= taken_speed;
         between  <= {v[15], v} - {own_v[15], own_v};
         most     <= {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
-        agrees   <= !over[17] && !under[17];
+        agrees   <= !margin[17];
         agrees_1 <= agrees;
         if (step[1] || (|step[4:2] && !slower)) fast <= speed;
         if (step[2]) leads_y <= !slower;
@@ -150,7 +170,7 @@ module motion_pair #(
         end
     end
 
-    wire unused = &{1'b0, taken, faster, over[16:0], under[16:0], spare[GAP_W-2:0], beyond, wider};
+    wire unused = &{1'b0, taken, faster, margin[16:0], spare[GAP_W-2:0], beyond, wider};
 
 endmodule
 

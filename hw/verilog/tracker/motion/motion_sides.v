@@ -108,6 +108,7 @@ module motion_sides #(
 
     reg signed [SIDE_W-1:0] lo_a, hi_a, lo_b, hi_b, new_lo, new_hi;
     reg signed [SIDE_W:0]   ref_lo_a, ref_hi_a;
+    wire [SIDE_W:0]         next_ref_lo, next_ref_hi;
     reg signed [15:0]       v_a, v_part;
     reg signed [15:0]       v_less, v_slow;    // of the axis behind
     reg signed [SIDE_W:0]   apart;             // of the axis in front, as sum
@@ -133,6 +134,27 @@ module motion_sides #(
     wire signed [SIDE_W-1:0] base_hi  = from_place ? place : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
     wire [SIDE_W:0]          sum_lo   = {base_lo, 1'b1} + {add_lo, less_lo};
     wire [SIDE_W:0]          sum_hi   = {base_hi, 1'b1} + {add_hi, less_hi};
+
+    // How far the side is from ref, or ref.
+    motion_sum #(
+        .W(SIDE_W + 1)
+    ) u_ref_lo (
+        .adds (change_a),
+        .a    ({lo_a[SIDE_W-1], lo_a}),
+        .minus(change_a),
+        .b    (ref_lo_a),
+        .y    (next_ref_lo)
+    );
+
+    motion_sum #(
+        .W(SIDE_W + 1)
+    ) u_ref_hi (
+        .adds (change_a),
+        .a    ({hi_a[SIDE_W-1], hi_a}),
+        .minus(change_a),
+        .b    (ref_hi_a),
+        .y    (next_ref_hi)
+    );
 
     // One command at a time.
     function [SIDE_W-1:0] only;
@@ -177,8 +199,8 @@ module motion_sides #(
 
         // in front, and behind
         if (!load || is_y) begin
-            ref_lo <= change_a ? {lo_a[SIDE_W-1], lo_a} - ref_lo_a : ref_lo_a;
-            ref_hi <= change_a ? {hi_a[SIDE_W-1], hi_a} - ref_hi_a : ref_hi_a;
+            ref_lo <= next_ref_lo;
+            ref_hi <= next_ref_hi;
             {ref_lo_a, ref_hi_a} <= settle || settles ? {(2 * SIDE_W + 2) {1'b0}} : {ref_lo, ref_hi};
         end
         v      <= from_place ? 16'sd0 : v_a;
@@ -199,7 +221,17 @@ module motion_sides #(
         if (rst) {lane, is_y} <= 2'b01;
     end
 
-    wire [14:0] speed = v_a[15] ? -v_a[14:0] : v_a[14:0];
+    wire [14:0] speed;
+
+    motion_sum #(
+        .W(15)
+    ) u_speed (
+        .adds (1'b0),
+        .a    (15'd0),
+        .minus(v_a[15]),
+        .b    (v_a[14:0]),
+        .y    (speed)
+    );
 
     // ---- what follows from them ------------------------------------------------------------------------------------------
 

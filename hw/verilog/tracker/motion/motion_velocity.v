@@ -62,7 +62,8 @@ module motion_velocity #(
     reg                      over_9, over_10, sign_9, sign_10;
     reg signed [15:0]        v_11, sum_13;
     reg signed [17:0]        sum;
-    reg                      above, below;  // what sum_13 comes from is beyond a limit
+    reg                      beyond;        // what sum_13 comes from is beyond the limit
+    reg signed [15:0]        limit;         // with its sign
 
     wire                  low_rises  = !low_1[OFF_W-1] && |low_any;
     wire                  high_rises = !high_1[OFF_W-1] && |high_any;
@@ -73,10 +74,8 @@ module motion_velocity #(
     wire signed [3:0]     run      = begun[1] ? run_x : run_y;
     wire [3:0]            size     = run_next[3] ? -run_next : run_next;
     wire [3:0]            raised   = size < 4'd2 ? 4'd0 : size - 4'd2;
-    wire signed [17:0]    most     = {3'd0, speed_max};
-    reg  signed [17:0]    least;
-    wire [18:0]           over     = {most[17], most} - {sum[17], sum};  // the sign of a difference is a comparison
-    wire [18:0]           under    = {sum[17], sum} - {least[17], least};
+    wire [17:0]           spare;                   // from the size of `sum` to speed_max: negative where it is beyond
+    wire [15:0]           next_limit;
     wire [LOW+15:0]       low_7;   // products of both parts of d
     wire [D_W-LOW+14:0]   high_7;
 
@@ -101,6 +100,26 @@ module motion_velocity #(
         .a  (way_5[D_W-1:LOW]),
         .b  ({1'b0, factor}),
         .p  (high_7)
+    );
+
+    motion_sum #(
+        .W(18)
+    ) u_spare (
+        .adds (1'b1),
+        .a    ({3'd0, speed_max}),
+        .minus(!sum[17]),
+        .b    (sum),
+        .y    (spare)
+    );
+
+    motion_sum #(
+        .W(16)
+    ) u_limit (
+        .adds (1'b0),
+        .a    (16'd0),
+        .minus(sum[17]),
+        .b    ({1'b0, speed_max}),
+        .y    (next_limit)
     );
 
     always @(posedge clk) begin
@@ -152,15 +171,14 @@ module motion_velocity #(
         v_11   <= v;
         sum    <= {{2{v_11[15]}}, v_11} + {change[16], change};
 
-        least  <= -most;
-        above  <= over[18];
-        below  <= under[18];
+        beyond <= spare[17];
+        limit  <= next_limit;
         sum_13 <= sum[15:0];
-        v_next <= above ? most[15:0] : below ? least[15:0] : sum_13;
+        v_next <= beyond ? limit : sum_13;
         if (rst) begun <= 14'd0;
     end
 
-    wire unused = &{1'b0, over[17:0], under[17:0], least[17:16], less[D_W-2:0], size[3]};
+    wire unused = &{1'b0, spare[16:0], less[D_W-2:0], size[3]};
 
 endmodule
 
