@@ -30,7 +30,7 @@ module motion_correct #(
 
     // what decides
     input  wire              lane,
-    input  wire              visible,      // the slot is
+    input  wire              visible,      // the slot is, two clocks behind `at`
     input  wire              shrinks,      // with q_meets, which is what memory has: sides shrink
     input  wire              q_meets,
     input  wire [5:0]        corrections,

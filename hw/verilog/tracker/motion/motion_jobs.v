@@ -127,13 +127,15 @@ module motion_jobs #(
     wire              seeds   = j_valid && j_kind == 2'd1;
     wire [N-1:0]      one     = {{(N - 1) {1'b0}}, 1'b1};
     wire [N-1:0]      begun   = begins ? one << j_slot : {N{1'b0}};
-    wire [N-1:0]      taken   = due_taken ? due_ended | (one << slot) : {N{1'b0}};
+    reg  [N-1:0]      slot_here, work_here;  // a one for `slot`, for work_slot
+    wire [N-1:0]      taken   = due_taken ? due_ended | slot_here : {N{1'b0}};
     reg  [SLOT_W-1:0] asked;   // of this slot it is seen whether it ends with due_slot,
+    reg  [N-1:0]      asked_here;  // a one for it,
     reg  [SLOT_W:0]   unfound; // and so many before it were no more to be found
     wire [SLOT_W-1:0] asked_with = end_with[asked];
-    wire              finds      = ending[asked] && !due_ended[asked] && (asked_with == slot || due_ended[asked_with]);
+    wire              finds      = |(ending & ~due_ended & asked_here) && (asked_with == slot || due_ended[asked_with]);
     wire              steady     = !any_ending || unfound == ROUND[SLOT_W:0];  // due_ended is all of them
-    wire [N-1:0]      job_here   = job_done ? one << work_slot : {N{1'b0}};
+    wire [N-1:0]      job_here   = job_done ? work_here : {N{1'b0}};
     wire [N-1:0]      come       = j_valid ? one << j_slot : {N{1'b0}};
 
     assign idle    = head == tail;
@@ -206,7 +208,9 @@ module motion_jobs #(
         due_valid   <= due_there && !pops;
         due_read    <= due_valid && !pops;
         slot      <= due_slot;
+        slot_here <= one << due_slot;
         work_slot <= job_slot;
+        work_here <= one << job_slot;
         is_last   <= last_jobs[work_slot] == head && !(j_valid && j_real && j_slot == work_slot);
 
         waits    <= (waits | begun) & ~taken;
@@ -222,7 +226,8 @@ module motion_jobs #(
         any_ending <= ending != {N{1'b0}};
         asked      <= asked == FINAL[SLOT_W-1:0] ? {SLOT_W{1'b0}} : asked + {{(SLOT_W - 1) {1'b0}}, 1'b1};
         if (unfound != ROUND[SLOT_W:0]) unfound <= unfound + {{SLOT_W{1'b0}}, 1'b1};
-        if (finds) due_ended[asked] <= 1'b1;
+        asked_here <= asked == FINAL[SLOT_W-1:0] ? one : asked_here << 1;
+        if (finds) due_ended <= due_ended | asked_here;
         if (finds || ends) unfound <= {(SLOT_W + 1) {1'b0}};
         if (!due_read || pops || seeds) begin
             due_ended <= {N{1'b0}};
@@ -253,6 +258,7 @@ module motion_jobs #(
             second    <= {WAIT_W{1'b0}};
             pending   <= {N{1'b0}};
             asked     <= {SLOT_W{1'b0}};
+            asked_here <= one;
         end
     end
 

@@ -13,7 +13,6 @@
 `include "evcot_defs.vh"
 
 module motion_merge #(
-    parameter N      = 8,
     parameter SLOT_W = 3,
     parameter ID_W   = 32
 ) (
@@ -32,7 +31,7 @@ module motion_merge #(
 
     // what decides
     input  wire              lane,
-    input  wire [N-1:0]      visible,
+    input  wire [1:0]        at_state,     // of `at`, two clocks late: free, candidate, visible, left
     input  wire              later,        // the deadline that is held is not before that of `at`
     input  wire              window_done,
     input  wire              mask_busy,    // the window before is still being written to masks, and must stay
@@ -57,6 +56,8 @@ module motion_merge #(
     output reg               keep_window
 );
 
+    localparam [1:0] VISIBLE = 2'd2;   // state of a slot
+
     localparam [4:0] REST    = 5'd0;   // waits for a start
     localparam [4:0] SAVED   = 5'd2;   // reads the one that goes
     localparam [4:0] GOES    = 5'd3;
@@ -79,7 +80,7 @@ module motion_merge #(
 
     reg [4:0] state;
     reg [6:0] pause;       // a one for each clock until the state is gone on with
-    reg       at_visible, goes_visible;
+    reg       goes_visible;
     reg       reads, unites;  // the one that goes is being read; the one that stays is
     wire      goes_on = !pause[0];
 
@@ -95,8 +96,6 @@ module motion_merge #(
     always @(posedge clk) begin
         {c_settle, c_reflect, c_cover, c_window, c_hold, lapse, done, fetch} <= 8'd0;
         {keep, keep_now, keep_until, keep_window, say} <= 5'd0;
-        at_visible   <= visible[at];
-        goes_visible <= visible[goes];
 
         pause <= {1'b0, pause[6:1]};
         if (goes_on) case (state)
@@ -120,8 +119,9 @@ module motion_merge #(
             end
             GOES:
             if (read_done) begin
-                reads <= 1'b0;
-                state <= GONE;
+                reads        <= 1'b0;
+                goes_visible <= at_state == VISIBLE;
+                state        <= GONE;
             end
 
             GONE: begin
@@ -194,7 +194,7 @@ module motion_merge #(
             WRITE: begin
                 keep     <= 1'b1;
                 kind     <= `EVCOT_KIND_MOVED;
-                state    <= at_visible ? SAY : WRITTEN;
+                state    <= at_state == VISIBLE ? SAY : WRITTEN;
             end
             SAY:
             if (record_free) begin

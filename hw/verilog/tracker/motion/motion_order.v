@@ -142,6 +142,7 @@ module motion_order #(
     output wire [1:0]              since
 );
 
+    localparam [1:0] VISIBLE  = 2'd2;  // state of a slot
     localparam [1:0] REPORTED = 2'd2;  // of the times of a slot: see motion_times.v
 
     // Names of motion_correct.v begin with k_, of motion_step.v with s_, of motion_merge.v with m_.
@@ -156,7 +157,6 @@ module motion_order #(
     wire [SLOT_W-1:0] k_at, s_at, m_at, goes;
     wire [1:0]        s_kind, m_kind, k_since, s_since;
     reg               k_was;        // and what it has written last is being written
-    reg               k_visible;    // its slot is
     reg               passes;       // of the job that is there nothing is computed: it is empty
     reg               at_work;      // it has begun
     wire              correcting = !k_rests || k_was;
@@ -221,7 +221,6 @@ module motion_order #(
         at        <= !k_rests ? k_at : merging ? m_at : !s_rests ? s_at : job_slot;
         state     <= {visible[at] || left[at], candidate[at] || left[at]};
         k_was     <= !k_rests;
-        k_visible <= visible[k_at];
         loads     <= read_next && (k_load || s_load || m_load || m_unite);
         load      <= read_next && (k_load || s_load || m_load);
         begin_job <= read_next && (k_load || s_load);
@@ -249,7 +248,7 @@ module motion_order #(
         .op_clear    (op_clear),
         .op_bin      (op_bin),
         .lane        (lane),
-        .visible     (k_visible),
+        .visible     (state == VISIBLE),
         .shrinks     (shrinks),
         .q_meets     (q_meets),
         .corrections (corrections),
@@ -310,8 +309,7 @@ module motion_order #(
         .merge      (s_merge),
         .goes       (goes),
         .merged     (m_done),
-        .visible    (visible),
-        .candidate  (candidate),
+        .at_state   (state),
         .left       (left),
         .settled    (settled),
         .corrections(corrections),
@@ -373,7 +371,6 @@ module motion_order #(
     );
 
     motion_merge #(
-        .N     (N),
         .SLOT_W(SLOT_W),
         .ID_W  (ID_W)
     ) u_merge (
@@ -388,7 +385,7 @@ module motion_order #(
         .fetch      (m_fetch),
         .read_done  (read_done),
         .lane       (lane),
-        .visible    (visible),
+        .at_state   (state),
         .later      (later),
         .window_done(window_done),
         .mask_busy  (mask_busy),

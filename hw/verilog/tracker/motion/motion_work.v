@@ -260,6 +260,7 @@ module motion_work #(
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
     // What was read, and what counts, a clock later. A job begins with the sides in effect, as far as its last job moves them.
+    localparam [1:0]    VISIBLE = 2'd2;
     reg                 known;  // the velocity of the slot counts
     reg  [4*SIDE_W-1:0] read_sides, moves;
     reg  [SUP_W-1:0]    other_support;
@@ -287,7 +288,7 @@ module motion_work #(
 
     always @(posedge clk) begin
         was_read <= read_done;
-        known    <= visible[at] || corrections >= 6'd4;
+        known    <= state == VISIBLE || corrections >= 6'd4;
         for (k = 0; k < 4; k = k + 1) begin
             if (read_done)
                 read_sides[k*SIDE_W+:SIDE_W] <= of_job ? begun_sides[k*SIDE_W+:SIDE_W] : q_sides[k*SIDE_W+:SIDE_W];

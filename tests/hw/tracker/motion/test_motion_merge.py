@@ -30,7 +30,7 @@ def merge_of(stays: int, goes: int, visible: list[bool], later: bool) -> list[Sa
 
 @pytest.mark.parametrize("stalls", [False, True])
 def test_random_merges(stalls: bool) -> None:
-    sim = load("motion_merge", {"N": N, "SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS)
+    sim = load("motion_merge", {"SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS)
     io, rng = sim.io, np.random.default_rng(1)
     control = Control(sim, rng, COMMANDS, TO_SIDES)
     control.reset()
@@ -46,12 +46,12 @@ def test_random_merges(stalls: bool) -> None:
             assert int(io.rests)
             control.clock()
         io.goes, io.start = goes, 1
-        io.visible = sum(1 << i for i in range(N) if visible[i])
         control.said.clear()
         begun = control.clocks
         while True:
             # The id is there two clocks behind its slot, the comparison of two deadlines four.
             io.id = ids[control.at[2]] if control.steady(3) else int(rng.integers(1 << ID_W))
+            io.at_state = 1 + visible[min(control.at[1], N - 1)]
             io.later = int(later if control.at[0] == stays and control.steady(4) else rng.integers(2))
             control.clock()
             io.start = 0
@@ -67,4 +67,4 @@ def test_random_merges(stalls: bool) -> None:
 
 def test_lint() -> None:
     assert lint("motion_merge") == (0, "")
-    assert lint("motion_merge", N=1, SLOT_W=1) == (0, "")
+    assert lint("motion_merge", SLOT_W=1) == (0, "")

@@ -102,8 +102,9 @@ def test_the_lives_of_two_slots(stalls: bool, returns: bool) -> None:
     assert (int(io.visible), int(io.candidate)) == (0, 5)
 
     # Both become visible in a step.
-    io.appears, io.nearby = 1, 7
+    io.appears = 1
     for slot in (0, 2):
+        io.nearby = 5 & ~(1 << slot)
         said = order.job(STEP, slot, 4)
         assert names(said) == [
             "fetch", "load", "begin_job", "reflect", "move", "shorten", "reflect", "place", "ask", "keep_window",
@@ -120,7 +121,7 @@ def test_the_lives_of_two_slots(stalls: bool, returns: bool) -> None:
     assert ("say", 2, Kind.MOVED) in order.said
 
     # The lower one takes the other one in, with a record of each; then its life ends, or may return.
-    io.alike, io.enough, io.weaker, io.later = 1, 1, 0, 1
+    io.alike, io.enough, io.weaker, io.later, io.nearby = 1, 1, 0, 1, 4
     said = order.job(STEP, 0, 4)
     assert names(said)[11:] == [
         "fetch", "compare", "pair", "take", "keep", "fetch", "load", "hold", "say", "settle", "ends", "fetch", "unite",
