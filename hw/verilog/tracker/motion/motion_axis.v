@@ -66,16 +66,18 @@ module motion_axis #(
     output reg  [3:0]               bin
 );
 
+    localparam LOG2_W = PX_W < 20 ? 4 : 5;  // bits of log2 of a bin's pixels, at most PX_W - 4
+
     reg [SIDE_W-1:0] los    [0:(1<<SLOT_W)-1];
     reg [SIDE_W-1:0] his    [0:(1<<SLOT_W)-1];
     reg [1:0]        markses[0:(1<<SLOT_W)-1];
     reg [1:0]        hides  [0:(1<<SLOT_W)-1];
-    reg [4:0]        log2s  [0:(1<<SLOT_W)-1];
+    reg [LOG2_W-1:0] log2s  [0:(1<<SLOT_W)-1];
     reg [REL_W-1:0]  middles[0:(1<<SLOT_W)-1];
 
     reg [1:0]      hide;
     reg [AT_W-1:0] at;
-    reg [4:0]      log2_3, log2_4;
+    reg [LOG2_W-1:0] log2_3, log2_4;
     reg [SLOT_W-1:0] slot_4;
     reg            update_4, clear_4, begins_4;
     reg signed [SIDE_W-1:0] lo_far_4, hi_far_4;    // where the last event that moved sides took them, if it was beyond,
@@ -210,7 +212,7 @@ module motion_axis #(
         end
         if (hide_now) hides[slot] <= s_hidden;
         if (effect) middles[slot_3] <= s_middle;
-        if (set_bins) log2s[slot_3] <= s_log2;
+        if (set_bins) log2s[slot_3] <= s_log2[LOG2_W-1:0];
 
         from   <= place_from[PX_W+1:1];
         log2_4 <= log2_3;
@@ -219,7 +221,7 @@ module motion_axis #(
         bin    <= in_bins[3:0];
     end
 
-    wire unused = &{1'b0, place_from[0], wide_place, over_lo, under_hi};
+    wire unused = &{1'b0, place_from[0], wide_place, over_lo, under_hi, s_log2};
 
 endmodule
 

@@ -85,11 +85,21 @@ module motion_pair #(
     wire signed [GAP_W:0]  beyond     = {side[GAP_W-1], side} - {least[GAP_W-1], least};  // the sign of a difference is a comparison
     wire                   lower      = beyond[GAP_W];
     wire signed [GAP_W:0]  wider      = {least[GAP_W-1], least} - {3'b000, half};
-    wire [PX_W-1:0]        near       = (along ? reach : {PX_W{1'b0}}) + {{(PX_W - 8) {1'b0}}, join_px};
+    wire [PX_W-1:0]        near;
     wire signed [GAP_W-1:0] spare     = least + $signed({1'b0, near});
     wire                   shifted    = fast_down == 4'd0 && reach_down == 4'd0;
     wire                   busy       = |step || |part || waits;
     wire                   judges     = waits && (!along || shifted);
+
+    motion_sum #(
+        .W(PX_W)
+    ) u_near (
+        .adds (along),
+        .a    (reach),
+        .minus(1'b0),
+        .b    ({{(PX_W - 8) {1'b0}}, join_px}),
+        .y    (near)
+    );
 
     motion_sum #(
         .W(15)

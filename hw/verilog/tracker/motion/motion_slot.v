@@ -112,6 +112,7 @@ module motion_slot #(
     reg               has_partner;
     reg  [SLOT_W-1:0] partner;
     reg  [ID_W-1:0]   births;
+    wire [15:0]       next_together;
     reg  [PX_W:0]     outline;
     reg  [9:0]        next_log2;
 
@@ -200,6 +201,16 @@ module motion_slot #(
         .e_n_ev       (e_n_ev)
     );
 
+    motion_sum #(
+        .W(16)
+    ) u_together (
+        .adds (part || (has_partner && partner == at)),
+        .a    (together),
+        .minus(part),
+        .b    (16'd1),
+        .y    (next_together)
+    );
+
     // Bins of 2^n pixels, eight to sixteen for the whole side.
     function [4:0] log2_of;
         input [PX_W-1:0] length;
@@ -263,9 +274,8 @@ module motion_slot #(
         if (pair) begin
             has_partner <= 1'b1;
             partner     <= at;
-            together    <= has_partner && partner == at ? together + 16'd1 : 16'd1;
         end
-        if (part && together != 16'd0) together <= together - 16'd1;
+        if (pair || (part && together != 16'd0)) together <= next_together;
         if (meet) begin
             meets  <= meets_now;
             hidden <= hidden_now;

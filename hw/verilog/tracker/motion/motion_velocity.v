@@ -53,7 +53,8 @@ module motion_velocity #(
 
     reg [13:0]               begun;
     reg signed [OFF_W-1:0]   low_1, high_1;
-    reg signed [D_W-1:0]     both_1, way_2, way_3, way_4, way_5;
+    reg signed [D_W-1:0]     way_2, way_3, way_4, way_5;
+    wire [D_W-1:0]           next_way;
     reg  [1:0]               low_any, high_any;  // it is not 0: by its halves
     reg                      low_less;
     reg signed [P_W-1:0]     product;
@@ -68,7 +69,8 @@ module motion_velocity #(
     wire                  low_rises  = !low_1[OFF_W-1] && |low_any;
     wire                  high_rises = !high_1[OFF_W-1] && |high_any;
     wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
-    wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
+    wire                  takes_low  = slower && low_less == low_rises;  // twice, as the smaller one
+    wire                  takes_high = slower && low_less != low_rises;
     wire                  sign_8   = product[P_W-1];
     wire [A_W+47:0]       wide_8   = {{(A_W + 40 - P_W) {sign_8}}, product, 8'd0};
     wire signed [3:0]     run      = begun[1] ? run_x : run_y;
@@ -102,6 +104,17 @@ module motion_velocity #(
         .p  (high_7)
     );
 
+    array_sum #(
+        .W    (D_W),
+        .ROUND(0)
+    ) u_way (
+        .a     (takes_high ? {high_1[OFF_W-1], high_1} : {low_1[OFF_W-1], low_1}),
+        .choice(takes_low),
+        .one   ({low_1[OFF_W-1], low_1, 1'b0}),
+        .other ({high_1[OFF_W-1], high_1, 1'b0}),
+        .y     (next_way)
+    );
+
     motion_sum #(
         .W(18)
     ) u_spare (
@@ -128,12 +141,11 @@ module motion_velocity #(
         begun      <= {begun[12:0], start};
         low_1      <= low;
         high_1     <= high;
-        both_1     <= {low[OFF_W-1], low} + {high[OFF_W-1], high};
         low_less   <= less[D_W-1];
         low_any    <= {|low[OFF_W-1:13], |low[12:0]};
         high_any   <= {|high[OFF_W-1:13], |high[12:0]};
 
-        way_2 <= !slower ? both_1 : low_rises != high_rises ? {D_W{1'b0}} : shorter;
+        way_2 <= slower && low_rises != high_rises ? {D_W{1'b0}} : next_way;
 
         way_3 <= way_2;
         if (way_2[D_W-1]) run_next <= run == -4'sd7 ? run : run[3] ? run - 4'sd1 : -4'sd1;
