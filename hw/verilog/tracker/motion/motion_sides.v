@@ -6,7 +6,7 @@
 // steps, or after `reflect` how far the side is from there; after another one it is the place again.
 //
 // Latency:    from a command: 3 clocks to the sides of x in front, 2 to ref, 1 to the velocity; from seed 5 to the sides and the velocity;
-//             one more for y. o_* show what is in front one clock later, side and sum three. After load, with which `lane` goes high, x
+//             one more for y. f_* and o_* show what is in front one clock later, side and sum three. After load, with which `lane` goes high, x
 //             is behind.
 // Throughput: a command every second clock; shrink and shorten follow the sides, rub the velocity, as they were 4 clocks before, order
 //             and unite the differences of 2 clocks before.
@@ -25,7 +25,7 @@ module motion_sides #(
     input  wire                rst,
 
     // commands
-    input  wire                load,      // takes r_*, m_*, at any time; they must stay for the next clock
+    input  wire                load,      // takes r_*, m_*, at any time; m_v must stay for the next clock
     input  wire                load_refs, // with it, and never alone: ref as well
     input  wire                seed,      // a square about x, y, at rest
     input  wire                shrink,    // a part inwards, but for marked sides
@@ -44,8 +44,8 @@ module motion_sides #(
     // operands: x first
     input  wire [X_W-1:0]      x,
     input  wire [Y_W-1:0]      y,
-    input  wire [4*SIDE_W-1:0] r_sides,   // lo and hi of x, lo and hi of y
-    input  wire [4*SIDE_W-1:0] m_refs,
+    input  wire [2*SIDE_W-1:0] r_sides,   // lo and hi: with `load` of x, in the next clock of y
+    input  wire [2*SIDE_W-1:0] r_refs,
     input  wire [31:0]         m_v,       // y, x
     input  wire [15:0]         v_next,
     input  wire [3:0]          marks,     // hi and lo of y, hi and lo of x
@@ -65,9 +65,13 @@ module motion_sides #(
     // that in front
     output reg  [SIDE_W:0]     sum,
 
+    // that in front, a clock later
+    output reg                 f_y,       // it is y
+    output reg  [2*SIDE_W-1:0] f_sides,
+    output reg  [2*SIDE_W-1:0] f_refs,
+
     // both
     output reg  [4*SIDE_W-1:0] o_sides,
-    output reg  [4*SIDE_W-1:0] o_refs,
     output reg  [31:0]         o_v,
     output reg  [14:0]         speed_x,   // without sign
     output reg  [14:0]         speed_y,
@@ -124,7 +128,6 @@ module motion_sides #(
     wire [SIDE_W-1:0] half     = only(seed_b, {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0}) | only(long_b, {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0});
     wire signed [15:0] slow    = rub_b ? v_slow : v;
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
-    wire [2*SIDE_W-1:0] refs   = load ? m_refs[4*SIDE_W-1:2*SIDE_W] : m_refs[2*SIDE_W-1:0];
     wire [SIDE_W-1:0] at_x     = {{(SIDE_W - 12 - X_W) {1'b0}}, x, 12'd0};
     wire [SIDE_W-1:0] at_y     = {{(SIDE_W - 12 - Y_W) {1'b0}}, y, 12'd0};
     wire [1:0]        mark     = is_y ? marks[3:2] : marks[1:0];
@@ -214,10 +217,10 @@ module motion_sides #(
         loads <= load;
         takes <= load_refs;
         if (load || loads) begin
-            {lo_b, hi_b} <= load ? r_sides[4*SIDE_W-1:2*SIDE_W] : r_sides[2*SIDE_W-1:0];
+            {lo_b, hi_b} <= r_sides;
             v            <= load ? m_v[15:0] : m_v[31:16];
         end
-        if (load_refs || takes) {ref_lo, ref_hi} <= {refs[2*SIDE_W-1], refs[SIDE_W+:SIDE_W], refs[SIDE_W-1], refs[0+:SIDE_W]};
+        if (load_refs || takes) {ref_lo, ref_hi} <= {r_refs[2*SIDE_W-1], r_refs[SIDE_W+:SIDE_W], r_refs[SIDE_W-1], r_refs[0+:SIDE_W]};
         if (rst) {lane, is_y} <= 2'b01;
     end
 
@@ -242,15 +245,16 @@ module motion_sides #(
         inverted <= apart[SIDE_W];
         too_long <= spare[SIDE_W+1];
         shortened <= long_b && too_long;
+        f_y     <= !is_y;
+        f_sides <= {lo_a, hi_a};
+        f_refs  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
         if (!is_y) begin
             o_sides[2*SIDE_W-1:0] <= {lo_a, hi_a};
-            o_refs[2*SIDE_W-1:0]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
             o_v[31:16]            <= v_a;
             speed_y               <= speed;
             {side_y, sum_y, crossed_y} <= {side, sum, apart[SIDE_W]};
         end else begin
             o_sides[4*SIDE_W-1:2*SIDE_W] <= {lo_a, hi_a};
-            o_refs[4*SIDE_W-1:2*SIDE_W]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
             o_v[15:0]                    <= v_a;
             speed_x                      <= speed;
             {side_x, sum_x, crossed_x}   <= {side, sum, apart[SIDE_W]};

@@ -259,25 +259,31 @@ module motion_work #(
 
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
-    // What was read, and what counts, a clock later. A job begins with the sides in effect, as far as its last job moves them.
+    // What was read, and what counts, a clock later. A job begins with the sides in effect, as far as its last job moves them. Axes come
+    // one after the other: x with read_done, y with was_read.
     localparam [1:0]    VISIBLE = 2'd2;
     reg                 known;  // the velocity of the slot counts
-    reg  [4*SIDE_W-1:0] read_sides, moves;
+    reg  [2*SIDE_W-1:0] read_sides, read_refs, moves;
+    reg                 moves_y;
     reg  [SUP_W-1:0]    other_support;
-    wire [4*SIDE_W-1:0] q_sides, q_moves, o_sides;
+    wire [4*SIDE_W-1:0] o_sides;
+    wire                f_y;
+    wire [2*SIDE_W-1:0] f_sides, f_refs, q_sides, q_refs, q_moves;
     wire [SUP_W-1:0]    q_support;
     wire [3:0]          o_marks;
-    wire [4*SIDE_W-1:0] begun_sides;  // those with which the job begins
+    wire                job_on_y = was_read || (f_y && !read_done);
+    wire [2*SIDE_W-1:0] job_axis = job_on_y ? job_sides[0+:2*SIDE_W] : job_sides[2*SIDE_W+:2*SIDE_W];
+    wire [2*SIDE_W-1:0] begun_sides;  // those with which the job begins
     integer             k;
 
     genvar i;
     generate
-        for (i = 0; i < 4; i = i + 1) begin : g_side
+        for (i = 0; i < 2; i = i + 1) begin : g_side
             array_sum #(
                 .W    (SIDE_W),
                 .ROUND(0)
             ) u_begun (
-                .a     (job_sides[i*SIDE_W+:SIDE_W]),
+                .a     (job_axis[i*SIDE_W+:SIDE_W]),
                 .choice(job_waits),
                 .one   ({q_moves[i*SIDE_W+:SIDE_W], 1'b0}),
                 .other ({(SIDE_W + 1) {1'b0}}),
@@ -287,20 +293,18 @@ module motion_work #(
     endgenerate
 
     always @(posedge clk) begin
-        was_read <= read_done;
-        known    <= state == VISIBLE || corrections >= 6'd4;
-        for (k = 0; k < 4; k = k + 1) begin
-            if (read_done)
-                read_sides[k*SIDE_W+:SIDE_W] <= of_job ? begun_sides[k*SIDE_W+:SIDE_W] : q_sides[k*SIDE_W+:SIDE_W];
-            moves[k*SIDE_W+:SIDE_W] <= o_sides[k*SIDE_W+:SIDE_W] - job_sides[k*SIDE_W+:SIDE_W];
-        end
+        was_read   <= read_done;
+        known      <= state == VISIBLE || corrections >= 6'd4;
+        read_sides <= of_job ? begun_sides : q_sides;
+        read_refs  <= q_refs;
+        moves_y    <= f_y;
+        for (k = 0; k < 2; k = k + 1) moves[k*SIDE_W+:SIDE_W] <= f_sides[k*SIDE_W+:SIDE_W] - job_axis[k*SIDE_W+:SIDE_W];
         if (was_read) other_support <= q_support;
         if (rst) was_read <= 1'b0;
     end
 
     wire                turn, crossed_x, crossed_y;
     wire [31:0]         q_v;
-    wire [4*SIDE_W-1:0] refs, q_refs;
     wire [SIDE_W:0]     q_start;
     wire [23:0]         usual, q_usual, ticks;
     wire                beyond;
@@ -357,7 +361,7 @@ module motion_work #(
         .x          (job_x),
         .y          (job_y),
         .r_sides    (read_sides),
-        .m_refs     (q_refs),
+        .r_refs     (read_refs),
         .m_v        (q_v),
         .v_next     (v_next),
         .marks      (o_marks),
@@ -372,8 +376,10 @@ module motion_work #(
         .ref_hi     (ref_hi),
         .v          (v_lane),
         .sum        (sum_lane),
+        .f_y        (f_y),
+        .f_sides    (f_sides),
+        .f_refs     (f_refs),
         .o_sides    (o_sides),
-        .o_refs     (refs),
         .o_v        (v),
         .speed_x    (speed_x),
         .speed_y    (speed_y),
@@ -434,11 +440,15 @@ module motion_work #(
         .resume         (c_resume),
         .ask_start      (c_ask_start),
         .on_y           (lane),
+        .read_y         (fetches[2]),
         .keep_start     (c_keep_start || keeps_start),
         .finish         (finish),
         .job_owned      (job_owned),
         .job_marks      (job_kind[1] ? 4'd0 : job_marks),
-        .sides          (o_sides),
+        .sides_y        (f_y),
+        .sides          (f_sides),
+        .refs           (f_refs),
+        .moves_y        (moves_y),
         .moves          (moves),
         .state          (state),
         .length_x       (length_x),
@@ -446,7 +456,6 @@ module motion_work #(
         .meets_now      (meets_now),
         .hidden_now     (hidden_now),
         .v              (v),
-        .refs           (refs),
         .usual          (usual),
         .box            (box),
         .window         (window),
@@ -475,11 +484,11 @@ module motion_work #(
         .together       (together),
         .log2           (bin_log2),
         .q_sides        (q_sides),
+        .q_refs         (q_refs),
         .q_moves        (q_moves),
         .q_support      (q_support),
         .q_meets        (q_meets),
         .q_v            (q_v),
-        .q_refs         (q_refs),
         .q_usual        (q_usual),
         .q_id           (id),
         .q_start        (q_start),
