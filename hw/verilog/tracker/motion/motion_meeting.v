@@ -215,7 +215,7 @@ module motion_meeting #(
         middle_in    <= {lies_in(middle_y, other_window[0+:2*PX_W]), lies_in(middle_x, other_window[2*PX_W+:2*PX_W])};
         is_visible   <= asks_then[2] && visible[asked_2];
         is_candidate <= asks_then[2] && candidate[asked_2] && (!follows || behind < asked_2);
-        is_left      <= asks_then[2] && left[asked_2];
+        is_left      <= asks_then[2] && !visible[asked_2] && !candidate[asked_2];
         if (is_visible) begin
             meets  <= meets || &both_on;
             held   <= held || &middle_in;

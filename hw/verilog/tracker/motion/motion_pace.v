@@ -31,6 +31,7 @@ module motion_pace #(
     input  wire [SIDE_W-1:0] side_x,  // hi - lo, at least 0
     input  wire [SIDE_W-1:0] side_y,
 
+    output reg  [SIDE_W-1:0] shorter, // of both sides
     output reg  [15:0]       v_x,     // the stated velocity
     output reg  [15:0]       v_y
 );
@@ -57,7 +58,6 @@ module motion_pace #(
 
     reg  [PACE_W-1:0]          speed_1, speed_2, speed;
     wire [PACE_W-1:0]          size;      // of the velocity that was read
-    reg  [SIDE_W-1:0]          shorter;
     reg  [1:0]                 slow;      // log2 of them, less 1
     reg  [SIDE_W-1:0]          way_slow;  // in 2^slow steps
     wire                       too_slow = slow != 2'd0 && shorter < way_slow;

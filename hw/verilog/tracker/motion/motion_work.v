@@ -322,6 +322,7 @@ module motion_work #(
     wire                is_long_x, is_long_y;
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
+    wire [SIDE_W-1:0]   shorter;   // of both sides
 
     function [PX_W:0] wide;
         input [PX_W-1:0] bound;
@@ -407,6 +408,7 @@ module motion_work #(
         .sum_y (sum_y),
         .side_x(side_x),
         .side_y(side_y),
+        .shorter(shorter),
         .v_x   (v_x),
         .v_y   (v_y)
     );
@@ -707,6 +709,7 @@ module motion_work #(
         .start        (q_start),
         .side_x       (side_x),
         .side_y       (side_y),
+        .shorter      (shorter[SIDE_W-1:12]),
         .young        (crossed_x || crossed_y || corrections < 6'd4),
         .support      (support),
         .age          (age),
@@ -717,7 +720,7 @@ module motion_work #(
         .appears      (appears)
     );
 
-    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden};
+    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden, shorter};
 
 endmodule
 
