@@ -125,6 +125,7 @@ module motion_sides #(
     reg                     from_place, from_middle, hi_from_lo, checks, do_lo, do_hi, checks_b, take_lo, take_hi;
 
     wire              square_b = seed_b || long_b;  // both sides are as far from one place
+    wire [1:0]        operand  = {unite_b || shrink_b, move_b || shrink_b};
     wire [SIDE_W-1:0] half     = only(seed_b, {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0}) | only(long_b, {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0});
     wire signed [15:0] slow    = rub_b ? v_slow : v;
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
@@ -132,7 +133,8 @@ module motion_sides #(
     wire [SIDE_W-1:0] at_y     = {{(SIDE_W - 12 - Y_W) {1'b0}}, y, 12'd0};
     wire [1:0]        mark     = is_y ? marks[3:2] : marks[1:0];
     wire [SIDE_W-1:0] side     = apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0];
-    wire [SIDE_W+1:0]        spare    = {{(PX_W - 10) {1'b0}}, side_max, 12'd0} - {apart[SIDE_W], apart};
+    // From the length to the longest one, in whole pixels, of which a part of one counts as one: negative where it is too long.
+    wire [PX_W+2:0]          spare    = {{(PX_W - 10) {1'b0}}, side_max, 1'b1} + {~apart[SIDE_W], ~apart[SIDE_W:12], ~|apart[11:0]};
     wire signed [SIDE_W-1:0] base_lo  = from_place ? place : from_middle ? sum[SIDE_W:1] : lo_a;
     wire signed [SIDE_W-1:0] base_hi  = from_place ? place : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
     wire [SIDE_W:0]          sum_lo   = {base_lo, 1'b1} + {add_lo, less_lo};
@@ -183,10 +185,12 @@ module motion_sides #(
                     || (order_b && inverted);
         less_lo     <= seed_b || long_b || unite_b;
         less_hi     <= shrink_b || unite_b;
-        add_lo      <= only(square_b, ~half) | only(move_b, way) | only(low_b, {cut_px, 12'd0}) | only(unite_b, ~ref_lo[SIDE_W-1:0])
-                     | only(shrink_b, part);
-        add_hi      <= half | only(move_b, way) | only(high_b, {cut_px, 12'd0}) | only(unite_b, ~ref_hi[SIDE_W-1:0])
-                     | only(shrink_b, ~part);
+        case (operand)
+            2'd0: {add_lo, add_hi} <= {square_b ? ~half : {cut_px, 12'd0}, half | only(high_b, {cut_px, 12'd0})};
+            2'd1: {add_lo, add_hi} <= {way, way};
+            2'd2: {add_lo, add_hi} <= {~ref_lo[SIDE_W-1:0], ~ref_hi[SIDE_W-1:0]};
+            2'd3: {add_lo, add_hi} <= {part, ~part};
+        endcase
 
         // in front
         {lo_b, hi_b} <= {lo_a, hi_a};
@@ -243,7 +247,7 @@ module motion_sides #(
         sum      <= {hi_b[SIDE_W-1], hi_b} + {lo_b[SIDE_W-1], lo_b};
         part     <= apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0] >> side_shrink;
         inverted <= apart[SIDE_W];
-        too_long <= spare[SIDE_W+1];
+        too_long <= spare[PX_W+2];
         shortened <= long_b && too_long;
         f_y     <= !is_y;
         f_sides <= {lo_a, hi_a};

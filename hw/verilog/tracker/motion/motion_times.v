@@ -14,7 +14,8 @@
 
 module motion_times #(
     parameter SLOT_W = 3,
-    parameter TIME_W = 48
+    parameter TIME_W = 48,
+    parameter UNTIL_W = 32  // bits of a deadline, of which less than half a lap counts
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -24,7 +25,7 @@ module motion_times #(
     input  wire              keep_now,   // that time is written
     input  wire              keep_until, // the deadline is
     input  wire [TIME_W-1:0] now,
-    input  wire [TIME_W-1:0] counted,    // now, without the empty periods that do not count for deadlines
+    input  wire [UNTIL_W-1:0] counted,   // now, without the empty periods that do not count for deadlines
     output reg  [TIME_W-1:0] age,        // of that time
     output wire              ended,      // the deadline is not in the future
     output reg  [23:0]       ticks,      // age, at least 1; if that has more than 24 bits, 2^24 - 1 a clock later
@@ -63,7 +64,6 @@ module motion_times #(
 
     localparam PLACE_W = SLOT_W > 4 ? SLOT_W + 2 : 7;  // more than 64 words, for block RAM on every device
     localparam ADDR_W  = SLOT_W > 7 ? SLOT_W : 7;
-    localparam UNTIL_W = 32;  // bits of a deadline: as many as the shortest time has
 
     wire [PLACE_W-1:0] place = {{(PLACE_W - SLOT_W) {1'b0}}, at} | ({{(PLACE_W - 2) {1'b0}}, since} << SLOT_W);
     wire [TIME_W-1:0] then;
@@ -80,7 +80,7 @@ module motion_times #(
     reg  [24:0]       slower_by;
     wire [23:0]       usual_next;
 
-    wire [UNTIL_W-1:0] late  = counted[UNTIL_W-1:0] - its_deadline;
+    wire [UNTIL_W-1:0] late  = counted - its_deadline;
     wire [UNTIL_W-1:0] spare = deadline - its_deadline;
     reg                future;
 
@@ -134,7 +134,7 @@ module motion_times #(
         .a     ({{(UNTIL_W - 24) {1'b0}}, granted}),
         .choice(hold),
         .one   ({its_deadline, 1'b0}),
-        .other ({counted[UNTIL_W-1:0], 1'b0}),
+        .other ({counted, 1'b0}),
         .y     (next_deadline)
     );
 
@@ -202,7 +202,7 @@ module motion_times #(
         end
     end
 
-    wire unused = &{1'b0, slower_by, ahead[TIME_W-1:0], late, spare, counted};
+    wire unused = &{1'b0, slower_by, ahead[TIME_W-1:0], late, spare};
 
 endmodule
 

@@ -118,8 +118,9 @@ module motion_work #(
     reg keeps_start;       // of the second axis
     reg may_return;
     reg resting;           // the velocity is 0
-    reg [TIME_W-1:0] paused;   // the length of all empty periods that do not count for deadlines
-    reg [TIME_W-1:0] counted;  // job_time, as it counts for deadlines
+    localparam UNTIL_W = 32;    // bits of a deadline: as many as the shortest time has
+    reg [UNTIL_W-1:0] paused;   // the length of all empty periods that do not count for deadlines
+    reg [UNTIL_W-1:0] counted;  // job_time, as it counts for deadlines
     wire instant;          // no more than a tick since the last correction
     wire [1:0] state;
     wire [N-1:0] visible, candidate, left;
@@ -129,10 +130,10 @@ module motion_work #(
         keeps_start <= c_keep_start;
         may_return <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         resting    <= v == 32'd0;
-        if (begun && job_flag && job_kind[1]) paused <= paused + {{(TIME_W - 21) {1'b0}}, 21'd1 << regs[`MOTION_STEP_LOG2]};  // of at most 2^20 ticks
-        counted    <= job_time - paused;
+        if (begun && job_flag && job_kind[1]) paused <= paused + {{(UNTIL_W - 21) {1'b0}}, 21'd1 << regs[`MOTION_STEP_LOG2]};  // of at most 2^20 ticks
+        counted    <= job_time[UNTIL_W-1:0] - paused;
         if (rst) begin
-            paused  <= {TIME_W{1'b0}};
+            paused  <= {UNTIL_W{1'b0}};
             fetches <= 3'd0;
         end
     end
@@ -505,8 +506,9 @@ module motion_work #(
     );
 
     motion_times #(
-        .SLOT_W(SLOT_W),
-        .TIME_W(TIME_W)
+        .SLOT_W (SLOT_W),
+        .TIME_W (TIME_W),
+        .UNTIL_W(UNTIL_W)
     ) u_times (
         .clk         (clk),
         .rst         (rst),

@@ -13,6 +13,7 @@ from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 SLOT_W, TIME_W = 2, 40
+LAP = 1 << 32  # of deadlines
 LAST, SEEDED, REPORTED = range(3)
 
 
@@ -40,7 +41,7 @@ def ends_at(part: Any, deadline: int) -> bool:
     """Whether the slot's time is over at this tick, and was not one before."""
     found = []
     for counted in (deadline - 1, deadline):
-        part.io.counted = counted
+        part.io.counted = counted % LAP
         part.pulse(clocks=3)
         found.append(int(part.io.ended))
     return found == [0, 1]
@@ -57,12 +58,12 @@ def test_corrections_and_the_deadline(part: Any) -> None:
         life, coast = sorted(int(t) for t in rng.integers(1, 1 << 24, 2) >> rng.integers(0, 20))
         io.life_ticks, io.coast_ticks, io.life_log2 = life, coast, int(rng.integers(9))
         then = int(rng.integers(1 << 39))
-        age = int(rng.integers(1 << 32)) >> int(rng.integers(26))
+        age = int(rng.integers(1 << 26)) >> int(rng.integers(26))
         if rng.random() < 0.4:
             age = coast >> int(io.life_log2) + 1
         io.at, io.since, io.now = int(rng.integers(4)), LAST, then
         pulse("keep_now")
-        io.now = io.counted = then + age
+        io.now, io.counted = then + age, (then + age) % LAP
         io.loaded = min(age, (1 << 24) - 1) if rng.random() < 0.5 else int(rng.integers(1 << 24)) >> int(rng.integers(24))
         pulse("load", clocks=6)
         ticks = max(1, min(age, (1 << 24) - 1))
@@ -92,11 +93,11 @@ def test_a_deadline_is_in_time_that_counts(part: Any) -> None:
 
 def test_a_deadline_of_the_next_lap(part: Any) -> None:
     io, pulse = part.io, part.pulse
-    io.at, io.counted, io.detect_ticks = 1, (1 << 32) - 5, 70
+    io.at, io.counted, io.detect_ticks = 1, LAP - 5, 70
     pulse("seed", clocks=2)
     pulse("keep_until")
-    assert ends_at(part, (1 << 32) + 65)
-    io.counted = (1 << 32) + 65 + (1 << 30)
+    assert ends_at(part, LAP + 65)
+    io.counted = 65 + (1 << 30)
     pulse(clocks=3)
     assert int(io.ended) == 1
 
