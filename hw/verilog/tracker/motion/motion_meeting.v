@@ -164,25 +164,34 @@ module motion_meeting #(
     );
 
     always @(posedge clk) begin
-        some_reach   <= join_reach != 4'd0;
-        width        <= hi_x - lo_x;
-        height       <= hi_y - lo_y;
-        other_width  <= other_box[2*PX_W+:PX_W] - other_box[3*PX_W+:PX_W];
-        other_height <= other_box[0+:PX_W] - other_box[PX_W+:PX_W];
-        below_x      <= difference(other_box[2*PX_W+:PX_W], lo_x);
-        above_x      <= difference(hi_x, other_box[3*PX_W+:PX_W]);
-        below_y      <= difference(other_box[0+:PX_W], lo_y);
-        above_y      <= difference(hi_y, other_box[PX_W+:PX_W]);
-        wider        <= width < other_width ? other_width : width;
-        higher       <= height < other_height ? other_height : height;
-        apart_4      <= {above_y, below_y, above_x, below_x};
-        apart_5      <= apart_4;
-        reach_x      <= next_x;
-        reach_y      <= next_y;
-        near_x       <= box_on_5[0] || !spare_x[PX_W];
-        near_y       <= box_on_5[1] || !spare_y[PX_W];
-        {box_on_6, box_on_5, box_on_4} <= {box_on_5, box_on_4, box_on};
-        nearby_7     <= (box_on_6[0] && near_y) || (box_on_6[1] && near_x);
+        some_reach <= join_reach != 4'd0;
+        if (asks || |asks_then) begin  // a simulator need not go through it else
+            width        <= hi_x - lo_x;
+            height       <= hi_y - lo_y;
+            other_width  <= other_box[2*PX_W+:PX_W] - other_box[3*PX_W+:PX_W];
+            other_height <= other_box[0+:PX_W] - other_box[PX_W+:PX_W];
+            below_x      <= difference(other_box[2*PX_W+:PX_W], lo_x);
+            above_x      <= difference(hi_x, other_box[3*PX_W+:PX_W]);
+            below_y      <= difference(other_box[0+:PX_W], lo_y);
+            above_y      <= difference(hi_y, other_box[PX_W+:PX_W]);
+            wider        <= width < other_width ? other_width : width;
+            higher       <= height < other_height ? other_height : height;
+            apart_4      <= {above_y, below_y, above_x, below_x};
+            apart_5      <= apart_4;
+            reach_x      <= next_x;
+            reach_y      <= next_y;
+            near_x       <= box_on_5[0] || !spare_x[PX_W];
+            near_y       <= box_on_5[1] || !spare_y[PX_W];
+            {box_on_6, box_on_5, box_on_4} <= {box_on_5, box_on_4, box_on};
+            nearby_7     <= (box_on_6[0] && near_y) || (box_on_6[1] && near_x);
+
+            // What is compared with the other slot is there two clocks after `asked`.
+            window_on    <= {share(box[0+:2*PX_W], other_window[0+:2*PX_W]), share(box[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
+            both_on      <= {share(window[0+:2*PX_W], other_window[0+:2*PX_W]), share(window[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
+            low_in       <= {lies_in(lo_y, other_window[0+:2*PX_W]), lies_in(lo_x, other_window[2*PX_W+:2*PX_W])};
+            high_in      <= {lies_in(hi_y, other_window[0+:2*PX_W]), lies_in(hi_x, other_window[2*PX_W+:2*PX_W])};
+            middle_in    <= {lies_in(middle_y, other_window[0+:2*PX_W]), lies_in(middle_x, other_window[2*PX_W+:2*PX_W])};
+        end
     end
 
     always @(posedge clk) begin
@@ -207,12 +216,6 @@ module motion_meeting #(
         asked_7   <= asks_then[6] ? one << asked_6 : {N{1'b0}};
         {done, ends} <= {ends, busy && !any_ahead};
 
-        // What is compared with the other slot is there two clocks after `asked`.
-        window_on    <= {share(box[0+:2*PX_W], other_window[0+:2*PX_W]), share(box[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
-        both_on      <= {share(window[0+:2*PX_W], other_window[0+:2*PX_W]), share(window[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
-        low_in       <= {lies_in(lo_y, other_window[0+:2*PX_W]), lies_in(lo_x, other_window[2*PX_W+:2*PX_W])};
-        high_in      <= {lies_in(hi_y, other_window[0+:2*PX_W]), lies_in(hi_x, other_window[2*PX_W+:2*PX_W])};
-        middle_in    <= {lies_in(middle_y, other_window[0+:2*PX_W]), lies_in(middle_x, other_window[2*PX_W+:2*PX_W])};
         is_visible   <= asks_then[2] && visible[asked_2];
         is_candidate <= asks_then[2] && candidate[asked_2] && (!follows || behind < asked_2);
         is_left      <= asks_then[2] && !visible[asked_2] && !candidate[asked_2];

@@ -125,7 +125,6 @@ module motion_sides #(
     reg                     from_place, from_middle, hi_from_lo, checks, do_lo, do_hi, checks_b, take_lo, take_hi;
 
     wire              square_b = seed_b || long_b;  // both sides are as far from one place
-    wire [1:0]        operand  = {unite_b || shrink_b, move_b || shrink_b};
     wire [SIDE_W-1:0] half     = only(seed_b, {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0}) | only(long_b, {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0});
     wire signed [15:0] slow    = rub_b ? v_slow : v;
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
@@ -185,12 +184,10 @@ module motion_sides #(
                     || (order_b && inverted);
         less_lo     <= seed_b || long_b || unite_b;
         less_hi     <= shrink_b || unite_b;
-        case (operand)
-            2'd0: {add_lo, add_hi} <= {square_b ? ~half : {cut_px, 12'd0}, half | only(high_b, {cut_px, 12'd0})};
-            2'd1: {add_lo, add_hi} <= {way, way};
-            2'd2: {add_lo, add_hi} <= {~ref_lo[SIDE_W-1:0], ~ref_hi[SIDE_W-1:0]};
-            2'd3: {add_lo, add_hi} <= {part, ~part};
-        endcase
+        add_lo      <= only(square_b, ~half) | only(move_b, way) | only(low_b, {cut_px, 12'd0}) | only(unite_b, ~ref_lo[SIDE_W-1:0])
+                     | only(shrink_b, part);
+        add_hi      <= half | only(move_b, way) | only(high_b, {cut_px, 12'd0}) | only(unite_b, ~ref_hi[SIDE_W-1:0])
+                     | only(shrink_b, ~part);
 
         // in front
         {lo_b, hi_b} <= {lo_a, hi_a};

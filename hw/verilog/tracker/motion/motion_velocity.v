@@ -136,57 +136,59 @@ module motion_velocity #(
     );
 
     always @(posedge clk) begin
-        most_down <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
+        begun <= {begun[12:0], start};
+        if (start || |begun) begin  // a simulator need not go through it else
+            most_down <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
 
-        begun      <= {begun[12:0], start};
-        low_1      <= low;
-        high_1     <= high;
-        low_less   <= less[D_W-1];
-        low_any    <= {|low[OFF_W-1:13], |low[12:0]};
-        high_any   <= {|high[OFF_W-1:13], |high[12:0]};
+            low_1      <= low;
+            high_1     <= high;
+            low_less   <= less[D_W-1];
+            low_any    <= {|low[OFF_W-1:13], |low[12:0]};
+            high_any   <= {|high[OFF_W-1:13], |high[12:0]};
 
-        way_2 <= slower && low_rises != high_rises ? {D_W{1'b0}} : next_way;
+            way_2 <= slower && low_rises != high_rises ? {D_W{1'b0}} : next_way;
 
-        way_3 <= way_2;
-        if (way_2[D_W-1]) run_next <= run == -4'sd7 ? run : run[3] ? run - 4'sd1 : -4'sd1;
-        else if (|way_2) run_next <= run == 4'sd7 ? run : run[3] ? 4'sd1 : run + 4'sd1;
-        else run_next <= 4'sd0;
+            way_3 <= way_2;
+            if (way_2[D_W-1]) run_next <= run == -4'sd7 ? run : run[3] ? run - 4'sd1 : -4'sd1;
+            else if (|way_2) run_next <= run == 4'sd7 ? run : run[3] ? 4'sd1 : run + 4'sd1;
+            else run_next <= 4'sd0;
 
-        way_4 <= way_3;
-        down  <= most_down - {2'd0, raised < room ? raised : room};
+            way_4 <= way_3;
+            down  <= most_down - {2'd0, raised < room ? raised : room};
 
-        way_5   <= way_4;
-        factor  <= {7'd0, inverse} << ~down[2:0];
-        bytes_5 <= down[5:3];
+            way_5   <= way_4;
+            factor  <= {7'd0, inverse} << ~down[2:0];
+            bytes_5 <= down[5:3];
 
-        bytes_6 <= bytes_5;
-        bytes_7 <= bytes_6;
+            bytes_6 <= bytes_5;
+            bytes_7 <= bytes_6;
 
-        product <= {high_7, {LOW{1'b0}}} + {{(P_W - LOW - 16) {1'b0}}, low_7};
-        bytes_8 <= bytes_7;
+            product <= {high_7, {LOW{1'b0}}} + {{(P_W - LOW - 16) {1'b0}}, low_7};
+            bytes_8 <= bytes_7;
 
-        // Beyond 16 bits only the sign of a change counts: no velocity has more.
-        case (bytes_8[2:1])
-            2'd0: part_9 <= wide_8[A_W-1:0];
-            2'd1: part_9 <= wide_8[A_W+15:16];
-            2'd2: part_9 <= wide_8[A_W+31:32];
-            2'd3: part_9 <= wide_8[A_W+47:48];
-        endcase
-        over_9  <= !bytes_8[2] && (wide_8[A_W+47:A_W+16] != {32{sign_8}} || (!bytes_8[1] && wide_8[A_W+15:A_W] != {16{sign_8}}));
-        sign_9  <= sign_8;
-        byte_9  <= bytes_8[0];
-        part_10 <= byte_9 ? part_9[A_W-1:8] : part_9[B_W-1:0];
-        over_10 <= over_9 || (!byte_9 && part_9[A_W-1:B_W] != {(A_W - B_W) {sign_9}});
-        sign_10 <= sign_9;
+            // Beyond 16 bits only the sign of a change counts: no velocity has more.
+            case (bytes_8[2:1])
+                2'd0: part_9 <= wide_8[A_W-1:0];
+                2'd1: part_9 <= wide_8[A_W+15:16];
+                2'd2: part_9 <= wide_8[A_W+31:32];
+                2'd3: part_9 <= wide_8[A_W+47:48];
+            endcase
+            over_9  <= !bytes_8[2] && (wide_8[A_W+47:A_W+16] != {32{sign_8}} || (!bytes_8[1] && wide_8[A_W+15:A_W] != {16{sign_8}}));
+            sign_9  <= sign_8;
+            byte_9  <= bytes_8[0];
+            part_10 <= byte_9 ? part_9[A_W-1:8] : part_9[B_W-1:0];
+            over_10 <= over_9 || (!byte_9 && part_9[A_W-1:B_W] != {(A_W - B_W) {sign_9}});
+            sign_10 <= sign_9;
 
-        change <= over_10 || part_10[16] != sign_10 ? (sign_10 ? 17'sh10000 : 17'sh0ffff) : part_10;
-        v_11   <= v;
-        sum    <= {{2{v_11[15]}}, v_11} + {change[16], change};
+            change <= over_10 || part_10[16] != sign_10 ? (sign_10 ? 17'sh10000 : 17'sh0ffff) : part_10;
+            v_11   <= v;
+            sum    <= {{2{v_11[15]}}, v_11} + {change[16], change};
 
-        beyond <= spare[17];
-        limit  <= next_limit;
-        sum_13 <= sum[15:0];
-        v_next <= beyond ? limit : sum_13;
+            beyond <= spare[17];
+            limit  <= next_limit;
+            sum_13 <= sum[15:0];
+            v_next <= beyond ? limit : sum_13;
+        end
         if (rst) begun <= 14'd0;
     end
 

@@ -147,19 +147,21 @@ module motion_window #(
         // Of the pixel of a side, rounded to nearest, and of the length, which the inputs have.
         step <= {step[3:0], start};
         done <= step[4];
-        low  <= next_low;
-        high <= next_high;
-        if (step[0]) {low_x, high_x} <= {first, last};
-        if (step[1]) {low_y, high_y} <= {first, last};
+        if (start || |step) begin  // a simulator need not go through it else
+            low  <= next_low;
+            high <= next_high;
+            if (step[0]) {low_x, high_x} <= {first, last};
+            if (step[1]) {low_y, high_y} <= {first, last};
 
-        base  <= on_y != short ? length_y : length_x;
-        shift <= short ? ring_along : along_x || along_y ? ring_across : ring_any;
-        part  <= base >> shift;
-        room  <= {1'b0, ring_max} - {1'b0, ring_px} - 9'd1;
-        ring      <= next_ring;
-        ring_less <= ~next_ring;
-        if (step[3]) window[4*PX_W-1:2*PX_W] <= {window_low, window_high};
-        if (step[4]) window[2*PX_W-1:0] <= {window_low, window_high};
+            base  <= on_y != short ? length_y : length_x;
+            shift <= short ? ring_along : along_x || along_y ? ring_across : ring_any;
+            part  <= base >> shift;
+            room  <= {1'b0, ring_max} - {1'b0, ring_px} - 9'd1;
+            ring      <= next_ring;
+            ring_less <= ~next_ring;
+            if (step[3]) window[4*PX_W-1:2*PX_W] <= {window_low, window_high};
+            if (step[4]) window[2*PX_W-1:0] <= {window_low, window_high};
+        end
 
         if (rst) begin
             second   <= 1'b0;
