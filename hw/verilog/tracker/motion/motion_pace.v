@@ -79,11 +79,11 @@ module motion_pace #(
     reg  signed [PACE_W:0]     more_3;
     reg                        half_4;      // what is rounded off is half or more: step_4 is one more
     wire signed [PACE_W:0]     part_3  = more_3 >>> slow;
-    wire        [PACE_W:0]     sum_4   = {value, 1'b1} + {step_4, half_4};
     reg                        again;       // in stages 2 and 4: the mean of the mean
     wire                       is_wide = way_1[WAS_W-1:PACE_W-1] != {(WAS_W + 1 - PACE_W) {way_1[WAS_W-1]}};
     wire signed [PACE_W-1:0]   value   = again ? stated : pace;
     wire signed [PACE_W-1:0]   aim     = again ? mean_6 : way_2;
+    wire        [PACE_W:0]     sum_4   = {value, 1'b1} + {step_4, half_4};
 
     function [ADDR_W-1:0] place;
         input [SLOT_W-1:0] slot;
