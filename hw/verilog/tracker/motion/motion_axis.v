@@ -66,16 +66,18 @@ module motion_axis #(
     output reg  [3:0]               bin
 );
 
+    localparam LOG2_W = PX_W < 20 ? 4 : 5;  // bits of log2 of a bin's pixels, at most PX_W - 4
+
     reg [SIDE_W-1:0] los    [0:(1<<SLOT_W)-1];
     reg [SIDE_W-1:0] his    [0:(1<<SLOT_W)-1];
     reg [1:0]        markses[0:(1<<SLOT_W)-1];
     reg [1:0]        hides  [0:(1<<SLOT_W)-1];
-    reg [4:0]        log2s  [0:(1<<SLOT_W)-1];
+    reg [LOG2_W-1:0] log2s  [0:(1<<SLOT_W)-1];
     reg [REL_W-1:0]  middles[0:(1<<SLOT_W)-1];
 
     reg [1:0]      hide;
     reg [AT_W-1:0] at;
-    reg [4:0]      log2_3, log2_4;
+    reg [LOG2_W-1:0] log2_3, log2_4;
     reg [SLOT_W-1:0] slot_4;
     reg            update_4, clear_4, begins_4;
     reg signed [SIDE_W-1:0] lo_far_4, hi_far_4;    // where the last event that moved sides took them, if it was beyond,
@@ -88,10 +90,12 @@ module motion_axis #(
     reg signed [SIDE_W-1:0] lo_else, hi_else;      // if not, the sides of that slot, else 0
     reg [1:0]      marks_then;
     reg            hide_lo, hide_hi, hide_both;
-    reg [SIDE_W-1:0] far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
-    reg            less_far_lo, less_near_lo, less_far_hi, less_near_hi;  // they are
+    reg [18:0]       far;                          // way of a side that the event is beyond,
+    reg [SIDE_W-1:0] near_lo, near_hi;             // and of one that it is not, or that takes effect
+    reg            less_far_lo, less_near_lo, less_far_hi, less_near_hi;  // they go down
     reg [PX_W:0]   from;
 
+    wire              stays = rests || (!moves && &hide);
     wire [PX_W+REL_W-1:0] wide_place = {{(PX_W + REL_W - AT_W - 1) {1'b0}}, place, 1'b0};  // its lower part is what counts
 
     // As they are before the event.
@@ -99,35 +103,64 @@ module motion_axis #(
     wire [SIDE_W-1:0] hi        = hi_goes ? hi_far_4 : hi_same | hi_else;
     wire [1:0]        marks     = marks_then | beyond;
 
-    // The sign of a difference is a comparison. A hidden side goes where the other one goes; where both are hidden, none does.
+    // The sign of a difference is a comparison. What takes effect moves sides as if the event were within them. A hidden side goes where the other one goes; where both are hidden, none does.
     wire [SIDE_W-1:0] here     = {{(SIDE_W - AT_W - 12) {1'b0}}, at, 12'd0};
     wire [SIDE_W:0]   over_lo  = {1'b0, here} - {lo[SIDE_W-1], lo};
     wire [PX_W:0]     under_hi = {hi[SIDE_W-1], hi[SIDE_W-1:12]} - {{(PX_W + 1 - AT_W) {1'b0}}, at};  // pixels decide
     wire              below    = over_lo[SIDE_W];
     wire              above    = under_hi[PX_W];
-    wire [SIDE_W:0]   lo_far   = {lo, 1'b1} + {far_lo, less_far_lo};
-    wire [SIDE_W:0]   lo_near  = {lo, 1'b1} + {near_lo, less_near_lo};
-    wire [SIDE_W:0]   hi_far   = {hi, 1'b1} + {far_hi, less_far_hi};
-    wire [SIDE_W:0]   hi_near  = {hi, 1'b1} + {near_hi, less_near_hi};
+    wire [SIDE_W-1:0] lo_far, lo_near, hi_far, hi_near;
 
     // What the event in the fourth stage has left.
     wire [SIDE_W-1:0] lo_new    = begins_4 ? {SIDE_W{1'b0}} : lo_goes_4 ? lo_far_4 : lo_near_4;
     wire [SIDE_W-1:0] hi_new    = begins_4 ? {SIDE_W{1'b0}} : hi_goes_4 ? hi_far_4 : hi_near_4;
     wire [1:0]        marks_new = clear_4 ? 2'b00 : m_marks;
-    wire              lo_is_far = hide_lo ? above : below;
-    wire              hi_is_far = hide_hi ? below : above;
+    wire              lo_is_far = !effect && (hide_lo ? above : below);
+    wire              hi_is_far = !effect && (hide_hi ? below : above);
 
     assign m_lo    = lo_new;
     assign m_hi    = hi_new;
     assign m_marks = marks_4 | beyond_4;
 
-    // The way of a side: 0, that of what takes effect, inwards or outwards.
-    function [SIDE_W:0] way;
-        input              none, effects, minus;
-        input [SIDE_W-1:0] moved;
-        input [18:0]       amount;
-        way = none ? {(SIDE_W + 1) {1'b0}} : effects ? {moved, 1'b0} : {{(SIDE_W - 19) {minus}}, amount ^ {19{minus}}, minus};
-    endfunction
+    motion_sum #(
+        .W(SIDE_W)
+    ) u_lo_far (
+        .adds (1'b1),
+        .a    (lo),
+        .minus(less_far_lo),
+        .b    ({{(SIDE_W - 19) {1'b0}}, far}),
+        .y    (lo_far)
+    );
+
+    motion_sum #(
+        .W(SIDE_W)
+    ) u_lo_near (
+        .adds (1'b1),
+        .a    (lo),
+        .minus(less_near_lo),
+        .b    (near_lo),
+        .y    (lo_near)
+    );
+
+    motion_sum #(
+        .W(SIDE_W)
+    ) u_hi_far (
+        .adds (1'b1),
+        .a    (hi),
+        .minus(less_far_hi),
+        .b    ({{(SIDE_W - 19) {1'b0}}, far}),
+        .y    (hi_far)
+    );
+
+    motion_sum #(
+        .W(SIDE_W)
+    ) u_hi_near (
+        .adds (1'b1),
+        .a    (hi),
+        .minus(less_near_hi),
+        .b    (near_hi),
+        .y    (hi_near)
+    );
 
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
@@ -142,23 +175,26 @@ module motion_axis #(
         hide_lo   <= hide[0];
         hide_hi   <= hide[1];
         hide_both <= &hide || moves || rests;
-        {far_lo, less_far_lo}   <= way(rests || (!moves && &hide), moves, !hide[0], s_move_lo, out);
-        {near_lo, less_near_lo} <= way(rests || (!moves && &hide), moves, hide[0], s_move_lo, {2'b00, back});
-        {far_hi, less_far_hi}   <= way(rests || (!moves && &hide), moves, hide[1], s_move_hi, out);
-        {near_hi, less_near_hi} <= way(rests || (!moves && &hide), moves, !hide[1], s_move_hi, {2'b00, back});
+        far          <= stays ? 19'd0 : out;
+        near_lo      <= stays ? {SIDE_W{1'b0}} : moves ? s_move_lo : {{(SIDE_W - 17) {1'b0}}, back};
+        near_hi      <= stays ? {SIDE_W{1'b0}} : moves ? s_move_hi : {{(SIDE_W - 17) {1'b0}}, back};
+        less_far_lo  <= !hide[0];
+        less_far_hi  <= hide[1];
+        less_near_lo <= !moves && hide[0];
+        less_near_hi <= !moves && !hide[1];
         if (!forward || update) begin
-            lo_far_4   <= lo_far[SIDE_W:1];
-            hi_far_4   <= hi_far[SIDE_W:1];
-            lo_near_4  <= lo_near[SIDE_W:1];
-            hi_near_4  <= hi_near[SIDE_W:1];
+            lo_far_4   <= lo_far;
+            hi_far_4   <= hi_far;
+            lo_near_4  <= lo_near;
+            hi_near_4  <= hi_near;
             lo_goes_4  <= lo_is_far;
             hi_goes_4  <= hi_is_far;
             marks_4    <= marks;
             beyond_4   <= effect ? s_marks : hide_both ? 2'b00 : {above, below};
             lo_goes    <= forward && lo_is_far;
             hi_goes    <= forward && hi_is_far;
-            lo_same    <= forward ? lo_near[SIDE_W:1] : {SIDE_W{1'b0}};
-            hi_same    <= forward ? hi_near[SIDE_W:1] : {SIDE_W{1'b0}};
+            lo_same    <= forward ? lo_near : {SIDE_W{1'b0}};
+            hi_same    <= forward ? hi_near : {SIDE_W{1'b0}};
             lo_else    <= forward || fresh ? {SIDE_W{1'b0}} : recent ? lo_new : los[slot_2];
             hi_else    <= forward || fresh ? {SIDE_W{1'b0}} : recent ? hi_new : his[slot_2];
             marks_then <= (clear && forward) || fresh ? 2'b00 : forward ? marks : recent ? marks_new : markses[slot_2];
@@ -176,7 +212,7 @@ module motion_axis #(
         end
         if (hide_now) hides[slot] <= s_hidden;
         if (effect) middles[slot_3] <= s_middle;
-        if (set_bins) log2s[slot_3] <= s_log2;
+        if (set_bins) log2s[slot_3] <= s_log2[LOG2_W-1:0];
 
         from   <= place_from[PX_W+1:1];
         log2_4 <= log2_3;
@@ -185,7 +221,7 @@ module motion_axis #(
         bin    <= in_bins[3:0];
     end
 
-    wire unused = &{1'b0, place_from[0], wide_place, over_lo, under_hi, lo_far[0], lo_near[0], hi_far[0], hi_near[0]};
+    wire unused = &{1'b0, place_from[0], wide_place, over_lo, under_hi, s_log2};
 
 endmodule
 

@@ -20,6 +20,7 @@ module motion_birth #(
     input  wire [SIDE_W:0]       start,      // that at the fourth correction, of the same axis
     input  wire [SIDE_W-1:0]     side_x,
     input  wire [SIDE_W-1:0]     side_y,
+    input  wire [SIDE_W-13:0]    shorter,    // of both, whole pixels
     input  wire                  young,      // it cannot be
     input  wire [SUP_W-1:0]      support,
     input  wire [TIME_W-1:0]     age,
@@ -35,36 +36,43 @@ module motion_birth #(
 
     reg signed [SIDE_W+1:0] way;      // twice the way
     reg  [SIDE_W:0]   sides;
-    reg  [SIDE_W+1:0] far, too_near;  // so much must it be, without two pixels; just less with them
-    reg  [4:0]        left;           // places that `far` is shifted
-    reg               few, old, early, small_x, small_y, goes_far, went_far;
+    reg  [SIDE_W+1:0] less_far;       // the complement of: so much must it be, without two pixels
+    reg  [4:0]        left;           // places that it is shifted
+    reg               few, old, early, narrow, went_far;
+    reg  [SIDE_W+2:0] over;           // by how much twice the way is more than that, less 1
     wire [PX_W-1:0]   least        = {{(PX_W - 8) {1'b0}}, birth_px};
     wire [WIDE_W-1:0] wide_support = {{(WIDE_W - SUP_W) {1'b0}}, support};
     wire [WIDE_W-1:0] wide_birth   = {{(WIDE_W - 16) {1'b0}}, birth_support};
-    wire [SIDE_W+2:0] ahead        = {1'b0, too_near} - {way[SIDE_W+1], way};  // either is negative where it has gone far
-    wire [SIDE_W+2:0] behind       = {1'b0, too_near} + {way[SIDE_W+1], way};
+    wire [SIDE_W+2:0] next_over;
+    wire              goes_far     = !over[SIDE_W+2] && (|over[SIDE_W+1:13] || &over[12:0]);  // by two pixels of both sides
 
-    wire unused = &{1'b0, ahead[SIDE_W+1:0], behind[SIDE_W+1:0]};
+    motion_sum #(
+        .W(SIDE_W + 3)
+    ) u_over (
+        .adds (1'b1),
+        .a    ({1'b1, less_far}),
+        .minus(way[SIDE_W+1]),
+        .b    ({way[SIDE_W+1], way}),
+        .y    (next_over)
+    );
 
     always @(posedge clk) begin
         way      <= {sum[SIDE_W], sum} - {start[SIDE_W], start};
         sides    <= {1'b0, side_x} + {1'b0, side_y};
         if (measure) begin
-            far  <= {1'b0, sides};
+            less_far <= {1'b1, ~sides};
             left <= {1'b0, birth_travel} + 5'd1;
         end else if (left != 5'd0) begin
-            far  <= {1'b0, far[SIDE_W+1:1]};
+            less_far <= {1'b1, less_far[SIDE_W+1:1]};
             left <= left - 5'd1;
         end
-        too_near <= far + {{(SIDE_W - 12) {1'b0}}, 14'h1fff};
+        over     <= next_over;
         few      <= wide_support < wide_birth;
         old      <= |age[TIME_W-1:24];
         early    <= age[23:0] < birth_ticks;  // if it is not old
-        small_x  <= side_x[SIDE_W-1:12] < least;
-        small_y  <= side_y[SIDE_W-1:12] < least;
-        goes_far <= ahead[SIDE_W+2] || behind[SIDE_W+2];
+        narrow    <= shorter < least;
         went_far <= goes_far;
-        appears  <= (goes_far || went_far) && !young && !small_x && !small_y && !few && (old || !early);
+        appears  <= (goes_far || went_far) && !young && !narrow && !few && (old || !early);
     end
 
 endmodule

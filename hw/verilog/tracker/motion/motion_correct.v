@@ -30,7 +30,7 @@ module motion_correct #(
 
     // what decides
     input  wire              lane,
-    input  wire              visible,      // the slot is
+    input  wire              visible,      // the slot is, two clocks behind `at`
     input  wire              shrinks,      // with q_meets, which is what memory has: sides shrink
     input  wire              q_meets,
     input  wire [5:0]        corrections,
@@ -76,9 +76,8 @@ module motion_correct #(
 );
 
     localparam [1:0] LAST     = 2'd0;
-    localparam [1:0] UNTIL    = 2'd1;
-    localparam [1:0] SEEDED   = 2'd2;
-    localparam [1:0] REPORTED = 2'd3;
+    localparam [1:0] SEEDED   = 2'd1;
+    localparam [1:0] REPORTED = 2'd2;
 
     localparam [4:0] REST    = 5'd0;   // waits for a job
     localparam [4:0] SEED    = 5'd1;   // a candidate begins
@@ -283,7 +282,6 @@ module motion_correct #(
                 state       <= KEPT;
             end
             KEPT: begin
-                since      <= UNTIL;
                 keep_until <= 1'b1;
                 rests      <= 1'b1;
                 state      <= REST;

@@ -147,17 +147,20 @@ module motion_events #(
 
     // What takes effect changes states in its second stage: the event in front has its owner by then, but not yet its state.
     wire [N-1:0]       one     = {{(N - 1) {1'b0}}, 1'b1};
-    wire [N-1:0]       changed = op_2[1] ? e_ended | (e_own ? one << op_slot_2 : {N{1'b0}}) : {N{1'b0}};
-    wire [N-1:0]       comes   = op_2[1] && e_own ? (one << op_slot_2) & ~e_ended : {N{1'b0}};
+    reg  [N-1:0]       comes, ends;     // then: a one for the slot, if it is its own; slots that end
+    wire [N-1:0]       others  = ~(comes | ends);
+    wire [N-1:0]       lives   = comes & ~ends;
 
     always @(posedge clk) begin
-        visible   <= (visible & ~changed) | (e_state == VISIBLE ? comes : {N{1'b0}});
-        candidate <= (candidate & ~changed) | (e_state == CANDIDATE ? comes : {N{1'b0}});
-        left      <= (left & ~changed) | (e_state == LEFT ? comes : {N{1'b0}});
+        comes     <= op_1[1] && e_own ? one << op_slot_1 : {N{1'b0}};
+        ends      <= op_1[1] ? e_ended : {N{1'b0}};
+        visible   <= (visible & others) | (lives & {N{e_state == VISIBLE}});
+        candidate <= (candidate & others) | (lives & {N{e_state == CANDIDATE}});
+        left      <= (left & others) | (lives & {N{e_state == LEFT}});
         visible_2 <= visible;
         empty     <= seeded & ~(visible | candidate);
         fresh     <= seeded & ~(visible | candidate | left);
-        if (rst) {visible, candidate, left} <= {(3 * N) {1'b0}};
+        if (rst) {visible, candidate, left, comes, ends} <= {(5 * N) {1'b0}};
     end
 
     motion_match #(
@@ -234,7 +237,8 @@ module motion_events #(
     reg               takes, measures, updates, begins_6;  // an owner has the event; its sides move; it is counted; or a candidate may begin
     reg  [SLOT_W-1:0] slot_5, slot_6;
     reg               seeding;                        // a candidate has begun that is not in effect,
-    reg  [SLOT_W-1:0] seed_slot;                      // here
+    reg  [SLOT_W-1:0] seed_slot;                      // here,
+    reg  [N-1:0]      seed_here;                      // a one for that slot, if any
     reg               new_5, new_6;                   // the operation is on that slot
     reg  [SUP_W:0]    owneds [0:(1<<SLOT_W)-1];       // no more is counted; events since the last job
     reg  [11:0]       lefts  [0:(1<<SLOT_W)-1];       // is it one? is it any? events until the next correction; 0: one is not in effect
@@ -268,7 +272,7 @@ module motion_events #(
 
     assign effect_done = op_6[1];
     assign active      = |valid || |op_1 || |ops || d_valid;
-    assign alive       = visible | candidate | left | (seeding ? one << seed_slot : {N{1'b0}});
+    assign alive       = visible | candidate | left | seed_here;
     assign j_sides     = {lo_x_7, hi_x_7, lo_y_7, hi_y_7};
 
     always @(posedge clk) begin
@@ -299,8 +303,8 @@ module motion_events #(
             lefts[slot_6] <= updates ? {last_next, !last_left_6, left_next} : left_op;
         corrects <= (corrects | (corrects_6 || seeds_6 ? here_6 : {N{1'b0}}))
                   & ~(own_6 ? here_6 : {N{1'b0}}) & ~(op_6[1] ? e_ended : {N{1'b0}});
-        if (seeds_6) {seeding, seed_slot} <= {1'b1, slot_6};
-        if (op_6[1] && (new_6 || e_ended[seed_slot])) seeding <= 1'b0;
+        if (seeds_6) {seeding, seed_slot, seed_here} <= {1'b1, slot_6, here_6};
+        if (op_6[1] && (new_6 || |(e_ended & seed_here))) {seeding, seed_here} <= {(N + 1) {1'b0}};
 
         d_valid    <= valid[6];
         d_event    <= event_6;
@@ -319,7 +323,7 @@ module motion_events #(
         if (rst) begin
             {takes, measures, updates, begins_6, own_6, acts_6} <= 6'd0;
             corrects <= {N{1'b0}};
-            seeding  <= 1'b0;
+            {seeding, seed_here} <= {(N + 1) {1'b0}};
             seq      <= {SEQ_W{1'b0}};
             d_valid  <= 1'b0;
             j_valid  <= 1'b0;

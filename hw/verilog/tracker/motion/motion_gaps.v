@@ -90,7 +90,8 @@ module motion_gaps #(
     reg              wide;
     reg [BIN_W-1:0]  value;
     reg [BIN_W:0]    total;         // of all events
-    reg [BIN_W:0]    sum;           // of those in the bins before
+    reg [BIN_W:0]    sum;           // of those in the bins before, and then of all
+    reg [BIN_W+1:0]  rest;          // of those below the widest gap, less all
     reg [BIN_W:0]    run_below;     // of those before a run of empty bins,
     reg [BIN_W:0]    below, with_gap;  // before the widest gap, and with those in it
     reg [BIN_W:0]    sum_then, run_below_then;  // one clock before
@@ -106,10 +107,11 @@ module motion_gaps #(
 
     wire             looking = state != WAIT;
     wire [BIN_W-1:0] looked  = on_y ? looked_y : looked_x;
+    wire [BIN_W:0]   next_sum = sum + {1'b0, value};
     wire [BIN_W:0]   spare   = {1'b0, least} - {1'b0, looked};  // negative where a bin is not empty
     reg              there;                // the value of `bin`
     reg              last;                 // of all bins
-    wire [BIN_W+1:0] parts   = {1'b0, below} + {1'b0, with_gap} - {1'b0, total};  // of those below, less those above
+    wire [BIN_W+1:0] parts   = rest + {1'b0, with_gap};  // of those below, less those above
 
     always @(posedge clk) begin
         done     <= 1'b0;
@@ -120,6 +122,7 @@ module motion_gaps #(
         value    <= looked;
         full     <= spare[BIN_W];
         share    <= total[BIN_W-1:0] >> gap_share;
+        rest     <= {1'b0, below} - {1'b0, total};
         there    <= at > 5'd1 && !last;
         last     <= at == 5'd17;
         closes   <= state == RUNS && there && full && any;
@@ -141,11 +144,11 @@ module motion_gaps #(
         case (state)
             WAIT: begin
                 at    <= 5'd0;
-                total <= {(BIN_W + 1) {1'b0}};
+                sum   <= {(BIN_W + 1) {1'b0}};
                 if (look) state <= SUM;
             end
             SUM: begin
-                if (there) total <= total + {1'b0, value};
+                if (there) sum <= next_sum;
                 if (last) state <= LEAST;
             end
             LEAST: begin
@@ -153,6 +156,7 @@ module motion_gaps #(
                 run    <= 4'd0;
                 widest <= 4'd0;
                 at     <= 5'd0;
+                total  <= sum;
                 sum    <= {(BIN_W + 1) {1'b0}};
                 state  <= RUNS;
             end
@@ -160,8 +164,8 @@ module motion_gaps #(
                 if (!there) least <= share == {BIN_W{1'b0}} ? {{(BIN_W - 1) {1'b0}}, 1'b1} : share;
                 if (there && full) any <= 1'b1;
                 if (there) run <= full ? 4'd0 : run + 4'd1;
-                if (there) sum <= sum + {1'b0, value};
-                if (there && full) run_below <= sum + {1'b0, value};
+                if (there) sum <= next_sum;
+                if (there && full) run_below <= next_sum;
                 if (last) state <= PLACE;
             end
             PLACE: begin
@@ -169,7 +173,7 @@ module motion_gaps #(
                 state <= WIDE;
             end
             WIDE: begin
-                wide <= widest != 4'd0 && width >= {{(WIDE_W - PX_W) {1'b0}}, narrowest};
+                wide <= widest != 4'd0 && !(width < {{(WIDE_W - PX_W) {1'b0}}, narrowest});
                 if (at == 5'd4) state <= JUDGE;
             end
             JUDGE: begin

@@ -5,9 +5,6 @@
 // wait already. The slots that wait form a queue of their own, since a slot that began earlier is due earlier. Of a slot that begins
 // anew, or that another one ends, the entry before stays in the queue, and is skipped.
 //
-// Of an event's number and of a tick, a job stores the lower 16 bits; the rest follows from the job that came last. Until then a slot
-// that a job computes something of has not taken effect, so it is at most two times 64 events and 256 ticks old.
-//
 // Slots that end with the slot that is due are found one by one: all slots are gone through until a whole round finds no more.
 //
 // Latency:    3 clocks from j_valid to job_valid, 4 to job_seq and job_time, and 4 to due_valid; 2 from job_done to `ready`, or where slots end with others, a round.
@@ -82,9 +79,7 @@ module motion_jobs #(
     input  wire                due_taken   // it takes effect; only while `ready`
 );
 
-    localparam SEQ_LOW  = SEQ_W < 16 ? SEQ_W : 16;  // stored bits of a job's number
-    localparam TIME_LOW = 16;                       // and of its tick; TIME_W is more
-    localparam JOB_W   = 4 + SLOT_W + 1 + X_W + Y_W + 4 * SIDE_W + 4 + SUP_W + SEQ_LOW + TIME_LOW;
+    localparam JOB_W   = 4 + SLOT_W + 1 + X_W + Y_W + 4 * SIDE_W + 4 + SUP_W + SEQ_W + TIME_W;
     localparam DEPTH_W = 7;  // more than 64 words, for block RAM on every device
     localparam WAIT_W  = 8;  // a slot waits for 64 events at most; beside slots that events made wait, each slot may by a step
     localparam [7:0]       LATER = EVENTS;
@@ -111,9 +106,8 @@ module motion_jobs #(
     reg  [SLOT_W-1:0] end_with[0:(1<<SLOT_W)-1];   // as this one takes effect
     reg               any_ending;
     reg  [SLOT_W-1:0] mask_slot;
-    reg  [TIME_W-1:TIME_LOW-1] last_time;  // of the job that came last
-    wire [SEQ_LOW-1:0]  seq_low;
-    wire [TIME_LOW-1:0] time_low;
+    wire [SEQ_W-1:0]  stored_seq;
+    wire [TIME_W-1:0] stored_time;
     reg               due_fetched, due_there, due_read, is_first;
     reg  [SLOT_W-1:0] slot;             // due_slot, a clock later: what is found of it
     wire              skips = due_read && !is_first;
@@ -127,13 +121,15 @@ module motion_jobs #(
     wire              seeds   = j_valid && j_kind == 2'd1;
     wire [N-1:0]      one     = {{(N - 1) {1'b0}}, 1'b1};
     wire [N-1:0]      begun   = begins ? one << j_slot : {N{1'b0}};
-    wire [N-1:0]      taken   = due_taken ? due_ended | (one << slot) : {N{1'b0}};
+    reg  [N-1:0]      slot_here, work_here;  // a one for `slot`, for work_slot
+    wire [N-1:0]      taken   = due_taken ? due_ended | slot_here : {N{1'b0}};
     reg  [SLOT_W-1:0] asked;   // of this slot it is seen whether it ends with due_slot,
+    reg  [N-1:0]      asked_here;  // a one for it,
     reg  [SLOT_W:0]   unfound; // and so many before it were no more to be found
     wire [SLOT_W-1:0] asked_with = end_with[asked];
-    wire              finds      = ending[asked] && !due_ended[asked] && (asked_with == slot || due_ended[asked_with]);
+    wire              finds      = |(ending & ~due_ended & asked_here) && (asked_with == slot || due_ended[asked_with]);
     wire              steady     = !any_ending || unfound == ROUND[SLOT_W:0];  // due_ended is all of them
-    wire [N-1:0]      job_here   = job_done ? one << work_slot : {N{1'b0}};
+    wire [N-1:0]      job_here   = job_done ? work_here : {N{1'b0}};
     wire [N-1:0]      come       = j_valid ? one << j_slot : {N{1'b0}};
 
     assign idle    = head == tail;
@@ -146,11 +142,11 @@ module motion_jobs #(
         .clk          (clk),
         .write        (j_valid),
         .write_address(tail[DEPTH_W-1:0]),
-        .write_data   ({j_real, j_flag, j_kind, j_slot, waits[j_slot], j_x, j_y, j_sides, j_marks, j_owned, j_seq[SEQ_LOW-1:0], j_time[TIME_LOW-1:0]}),
+        .write_data   ({j_real, j_flag, j_kind, j_slot, waits[j_slot], j_x, j_y, j_sides, j_marks, j_owned, j_seq, j_time}),
         .read_enable  (reads),
         .read_address (following[DEPTH_W-1:0]),
         .out_enable   (gives),
-        .read_data    ({job_real, job_flag, job_kind, job_slot, job_waits, job_x, job_y, job_sides, job_marks, job_owned, seq_low, time_low})
+        .read_data    ({job_real, job_flag, job_kind, job_slot, job_waits, job_x, job_y, job_sides, job_marks, job_owned, stored_seq, stored_time})
     );
 
     block_memory #(
@@ -167,29 +163,9 @@ module motion_jobs #(
         .read_data    ({due_slot, due_event, due_tick})
     );
 
-    // What was stored is behind what came last if its upper bit is set and that one's is not.
-    wire earlier_time = time_low[TIME_LOW-1] && !last_time[TIME_LOW-1];
-
     always @(posedge clk) begin
-        if (j_valid) last_time <= j_time[TIME_W-1:TIME_LOW-1];
-        job_time <= {last_time[TIME_W-1:TIME_LOW] - {{(TIME_W - TIME_LOW - 1) {1'b0}}, earlier_time}, time_low};
-    end
-
-    generate
-        if (SEQ_W > SEQ_LOW) begin : g_seq
-            reg  [SEQ_W-1:SEQ_LOW-1] last_seq;
-            wire earlier_seq = seq_low[SEQ_LOW-1] && !last_seq[SEQ_LOW-1];
-
-            always @(posedge clk) begin
-                if (j_valid) last_seq <= j_seq[SEQ_W-1:SEQ_LOW-1];
-                job_seq <= {last_seq[SEQ_W-1:SEQ_LOW] - {{(SEQ_W - SEQ_LOW - 1) {1'b0}}, earlier_seq}, seq_low};
-            end
-        end else begin : g_whole_seq
-            always @(posedge clk) job_seq <= seq_low;
-        end
-    endgenerate
-
-    always @(posedge clk) begin
+        job_seq  <= stored_seq;
+        job_time <= stored_time;
         if (mask) mask_slot <= job_slot;
         if (j_valid) tail <= tail + {{DEPTH_W{1'b0}}, 1'b1};
         if (job_done) head <= head + {{DEPTH_W{1'b0}}, 1'b1};
@@ -206,7 +182,9 @@ module motion_jobs #(
         due_valid   <= due_there && !pops;
         due_read    <= due_valid && !pops;
         slot      <= due_slot;
+        slot_here <= one << due_slot;
         work_slot <= job_slot;
+        work_here <= one << job_slot;
         is_last   <= last_jobs[work_slot] == head && !(j_valid && j_real && j_slot == work_slot);
 
         waits    <= (waits | begun) & ~taken;
@@ -222,7 +200,8 @@ module motion_jobs #(
         any_ending <= ending != {N{1'b0}};
         asked      <= asked == FINAL[SLOT_W-1:0] ? {SLOT_W{1'b0}} : asked + {{(SLOT_W - 1) {1'b0}}, 1'b1};
         if (unfound != ROUND[SLOT_W:0]) unfound <= unfound + {{SLOT_W{1'b0}}, 1'b1};
-        if (finds) due_ended[asked] <= 1'b1;
+        asked_here <= asked == FINAL[SLOT_W-1:0] ? one : asked_here << 1;
+        if (finds) due_ended <= due_ended | asked_here;
         if (finds || ends) unfound <= {(SLOT_W + 1) {1'b0}};
         if (!due_read || pops || seeds) begin
             due_ended <= {N{1'b0}};
@@ -253,6 +232,7 @@ module motion_jobs #(
             second    <= {WAIT_W{1'b0}};
             pending   <= {N{1'b0}};
             asked     <= {SLOT_W{1'b0}};
+            asked_here <= one;
         end
     end
 

@@ -52,8 +52,8 @@ module motion_look #(
             looks_x <= across_x || is_long_x;
             looks_y <= across_y || is_long_y;
         end
-        across_x  <= {speed_y, 1'b0} >= {1'b0, speed_x};
-        across_y  <= {speed_x, 1'b0} >= {1'b0, speed_y};
+        across_x  <= !({speed_y, 1'b0} < {1'b0, speed_x});
+        across_y  <= !({speed_x, 1'b0} < {1'b0, speed_y});
         looks     <= on_y ? looks_y : looks_x;
         half      <= {1'b0, on_y ? half_x : half_y};
         across    <= on_y ? across_y : across_x;

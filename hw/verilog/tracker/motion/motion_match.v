@@ -58,6 +58,8 @@ module motion_match #(
     input  wire [SLOT_W-1:0] place_slot
 );
 
+    localparam LEAVES = 1 << SLOT_W;
+
     wire [N-1:0] one = {{(N - 1) {1'b0}}, 1'b1};
     reg  [N-1:0] plane;   // that is in effect, of each slot
     reg  [N-1:0] chosen;  // the slot that is updated; all, until the first is
@@ -138,8 +140,22 @@ module motion_match #(
     reg  [SLOT_W-1:0] free;
     wire              any_box, any_window, any_candidate, any_empty;
     wire [SLOT_W-1:0] of_box, of_window, of_candidate, of_free;
-    wire [N-1:0]      more_boxes   = by_box & (by_box - one);
-    wire [N-1:0]      more_windows = by_window & (by_window - one);
+
+    // Two or more: within a half of the slots, or one in each.
+    function several;
+        input [N-1:0] among;
+        integer k;
+        reg [4*LEAVES-1:0] node;  // any and several, of each node of a tree
+        begin
+            node = {(4 * LEAVES) {1'b0}};
+            for (k = 0; k < N; k = k + 1) node[2*(LEAVES+k)] = among[k];
+            for (k = LEAVES - 1; k > 0; k = k - 1) begin
+                node[2*k]   = node[4*k] || node[4*k+2];
+                node[2*k+1] = node[4*k+1] || node[4*k+3] || (node[4*k] && node[4*k+2]);
+            end
+            several = node[3];
+        end
+    endfunction
 
     always @(posedge clk) begin
         by_box       <= visible & box_x & box_y;
@@ -150,7 +166,7 @@ module motion_match #(
 
         owned  <= any_window || any_candidate || any_free;  // a box lies within its window
         begins <= !any_window && !any_candidate;
-        shared <= any_box ? |more_boxes : |more_windows;
+        shared <= any_box ? several(by_box) : several(by_window);
         owner  <= is_op ? op_slot : any_box ? of_box : any_window ? of_window : any_candidate ? of_candidate : free;
     end
 

@@ -25,6 +25,7 @@ module motion_meeting #(
     input  wire [N-1:0]      left,       // lost, but it may return
     input  wire [4*PX_W-1:0] box,        // of the slot: lo and hi on x, lo and hi on y
     input  wire [4*PX_W-1:0] window,
+    input  wire [2*PX_W+1:0] middle,     // of the box, half pixels, y and x
     input  wire [3:0]        join_reach,
     input  wire [7:0]        join_px,
 
@@ -48,13 +49,14 @@ module motion_meeting #(
     reg  [N-1:0]      ahead;               // that were not asked
     reg               starts;
     reg               busy;
-    reg  [7:1]        asks_then;           // one to seven clocks before
+    reg  [6:1]        asks_then;           // one to six clocks before
     reg  [6:0]        ends;
-    reg  [SLOT_W-1:0] asked_1, asked_2, asked_3, asked_4, asked_5, asked_6, asked_7;
+    reg  [SLOT_W-1:0] asked_1, asked_2, asked_3, asked_4, asked_5, asked_6;
+    reg  [N-1:0]      asked_7;             // a one for this slot, if any
     reg               follows;             // behind the one that was touched
     reg  [SLOT_W-1:0] behind;
-    reg  [PX_W-1:0]   middle_x, middle_y;
-    reg  [1:0]        box_on, window_on;   // y, x: the box shares a pixel with the other's box, with its window;
+    wire [1:0]        box_on;              // y, x: the box shares a pixel with the other's box,
+    reg  [1:0]        window_on;           // with its window;
     reg  [1:0]        both_on;             // the window does with its window
     reg  [1:0]        low_in, high_in, middle_in;  // an end or the middle of the box is within its window
     reg               is_visible, is_candidate, is_left;
@@ -66,8 +68,8 @@ module motion_meeting #(
     wire [PX_W-1:0] hi_x = box[2*PX_W+:PX_W];
     wire [PX_W-1:0] lo_y = box[PX_W+:PX_W];
     wire [PX_W-1:0] hi_y = box[0+:PX_W];
-    wire [PX_W:0]   sum_x = {lo_x[PX_W-1], lo_x} + {hi_x[PX_W-1], hi_x};
-    wire [PX_W:0]   sum_y = {lo_y[PX_W-1], lo_y} + {hi_y[PX_W-1], hi_y};
+    wire [PX_W-1:0] middle_x = middle[PX_W:1];
+    wire [PX_W-1:0] middle_y = middle[2*PX_W+1:PX_W+2];
 
     array_lowest #(
         .N     (N),
@@ -81,7 +83,7 @@ module motion_meeting #(
 
     function at_most;
         input signed [PX_W-1:0] low, high;
-        at_most = low <= high;
+        at_most = !(high < low);  // smaller than low <= high
     endfunction
 
     // Intervals of one axis: lo and hi of each.
@@ -96,56 +98,109 @@ module motion_meeting #(
         lies_in = at_most(pixel, others[0+:PX_W]) && at_most(others[PX_W+:PX_W], pixel);
     endfunction
 
-    // A gap on one axis: at most as wide as the wider box on the other, or half of it if join_reach is not 0, and join_px.
-    wire              some_reach = join_reach != 4'd0;
-    reg  [PX_W-1:0]   width, height, other_width, other_height;  // hi - lo
-    reg  [PX_W-1:0]   wider, higher, reach_x, reach_y;
-    reg  [4*PX_W-1:0] box_3, box_4, box_5;                       // of the other
-    reg  [1:0]        box_on_4, box_on_5, box_on_6, box_on_7;
-    reg  [PX_W:0]     far_x, far_y, other_far_x, other_far_y;    // the high bounds, by `reach` farther, and the low ones
-    reg  [2*PX_W-1:0] low_6;
+    // A gap on one axis: at most as wide as the wider box on the other, or half of it if join_reach is not 0, and join_px. Of both
+    // differences of a high and a low bound at most one is negative: then it is the gap.
+    reg               some_reach;
+    reg  [PX_W-1:0]   width, height, other_width, other_height;    // hi - lo
+    reg  [PX_W-1:0]   wider, higher;
+    reg  [PX_W:0]     below_x, above_x, below_y, above_y;          // from a low bound to the other's high one, and from its low one
+    reg  [4*PX_W+3:0] apart_4, apart_5;                            // all of these, a clock later, and two
+    reg  [PX_W:0]     reach_x, reach_y;
     reg               near_x, near_y;
-    wire [PX_W-1:0]   least = {{(PX_W - 8) {1'b0}}, join_px};
+    reg  [1:0]        box_on_4, box_on_5, box_on_6;
+    reg               nearby_7;
+    wire [PX_W:0]     least = {{(PX_W - 7) {1'b0}}, join_px};
+    wire [PX_W:0]     next_x, next_y, spare_x, spare_y;
 
-    function [PX_W:0] farther;
-        input [PX_W-1:0] high, reach;
-        farther = {high[PX_W-1], high} + {1'b0, reach};
+    assign box_on = {!below_y[PX_W] && !above_y[PX_W], !below_x[PX_W] && !above_x[PX_W]};
+
+    function [PX_W:0] difference;
+        input [PX_W-1:0] high, low;
+        difference = {high[PX_W-1], high} - {low[PX_W-1], low};
     endfunction
 
-    function at_least;
-        input [PX_W-1:0] low;
-        input [PX_W:0]   far;
-        at_least = $signed({low[PX_W-1], low}) <= $signed(far);
-    endfunction
+    array_sum #(
+        .W    (PX_W + 1),
+        .ROUND(0)
+    ) u_reach_x (
+        .a     (least),
+        .choice(some_reach),
+        .one   ({2'b00, higher[PX_W-1:1], 1'b0}),
+        .other ({1'b0, higher, 1'b0}),
+        .y     (next_x)
+    );
+
+    array_sum #(
+        .W    (PX_W + 1),
+        .ROUND(0)
+    ) u_reach_y (
+        .a     (least),
+        .choice(some_reach),
+        .one   ({2'b00, wider[PX_W-1:1], 1'b0}),
+        .other ({1'b0, wider, 1'b0}),
+        .y     (next_y)
+    );
+
+    array_sum #(
+        .W    (PX_W + 1),
+        .ROUND(0)
+    ) u_spare_x (
+        .a     (reach_x),
+        .choice(apart_5[PX_W]),
+        .one   ({apart_5[0+:PX_W+1], 1'b0}),
+        .other ({apart_5[PX_W+1+:PX_W+1], 1'b0}),
+        .y     (spare_x)
+    );
+
+    array_sum #(
+        .W    (PX_W + 1),
+        .ROUND(0)
+    ) u_spare_y (
+        .a     (reach_y),
+        .choice(apart_5[3*PX_W+2]),
+        .one   ({apart_5[2*PX_W+2+:PX_W+1], 1'b0}),
+        .other ({apart_5[3*PX_W+3+:PX_W+1], 1'b0}),
+        .y     (spare_y)
+    );
 
     always @(posedge clk) begin
-        width        <= hi_x - lo_x;
-        height       <= hi_y - lo_y;
-        other_width  <= other_box[2*PX_W+:PX_W] - other_box[3*PX_W+:PX_W];
-        other_height <= other_box[0+:PX_W] - other_box[PX_W+:PX_W];
-        {box_5, box_4, box_3} <= {box_4, box_3, other_box};
-        wider        <= (width < other_width ? other_width : width) >> some_reach;
-        higher       <= (height < other_height ? other_height : height) >> some_reach;
-        reach_y      <= wider + least;
-        reach_x      <= higher + least;
-        far_x        <= farther(hi_x, reach_x);
-        far_y        <= farther(hi_y, reach_y);
-        other_far_x  <= farther(box_5[2*PX_W+:PX_W], reach_x);
-        other_far_y  <= farther(box_5[0+:PX_W], reach_y);
-        low_6        <= {box_5[3*PX_W+:PX_W], box_5[PX_W+:PX_W]};
-        near_x       <= at_least(lo_x, other_far_x) && at_least(low_6[PX_W+:PX_W], far_x);
-        near_y       <= at_least(lo_y, other_far_y) && at_least(low_6[0+:PX_W], far_y);
-        {box_on_7, box_on_6, box_on_5, box_on_4} <= {box_on_6, box_on_5, box_on_4, box_on};
+        some_reach <= join_reach != 4'd0;
+        if (asks || |asks_then) begin  // a simulator need not go through it else
+            width        <= hi_x - lo_x;
+            height       <= hi_y - lo_y;
+            other_width  <= other_box[2*PX_W+:PX_W] - other_box[3*PX_W+:PX_W];
+            other_height <= other_box[0+:PX_W] - other_box[PX_W+:PX_W];
+            below_x      <= difference(other_box[2*PX_W+:PX_W], lo_x);
+            above_x      <= difference(hi_x, other_box[3*PX_W+:PX_W]);
+            below_y      <= difference(other_box[0+:PX_W], lo_y);
+            above_y      <= difference(hi_y, other_box[PX_W+:PX_W]);
+            wider        <= width < other_width ? other_width : width;
+            higher       <= height < other_height ? other_height : height;
+            apart_4      <= {above_y, below_y, above_x, below_x};
+            apart_5      <= apart_4;
+            reach_x      <= next_x;
+            reach_y      <= next_y;
+            near_x       <= box_on_5[0] || !spare_x[PX_W];
+            near_y       <= box_on_5[1] || !spare_y[PX_W];
+            {box_on_6, box_on_5, box_on_4} <= {box_on_5, box_on_4, box_on};
+            nearby_7     <= (box_on_6[0] && near_y) || (box_on_6[1] && near_x);
+
+            // What is compared with the other slot is there two clocks after `asked`.
+            window_on    <= {share(box[0+:2*PX_W], other_window[0+:2*PX_W]), share(box[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
+            both_on      <= {share(window[0+:2*PX_W], other_window[0+:2*PX_W]), share(window[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
+            low_in       <= {lies_in(lo_y, other_window[0+:2*PX_W]), lies_in(lo_x, other_window[2*PX_W+:2*PX_W])};
+            high_in      <= {lies_in(hi_y, other_window[0+:2*PX_W]), lies_in(hi_x, other_window[2*PX_W+:2*PX_W])};
+            middle_in    <= {lies_in(middle_y, other_window[0+:2*PX_W]), lies_in(middle_x, other_window[2*PX_W+:2*PX_W])};
+        end
     end
 
     always @(posedge clk) begin
         starts <= start;
+        if (nearby_7) nearby <= nearby | asked_7;
         if (start) begin
             ahead    <= (visible | candidate | left) & ~(one << slot);
             behind   <= touched;
             follows  <= !begins;
-            middle_x <= sum_x[PX_W:1];
-            middle_y <= sum_y[PX_W:1];
             {meets, hidden, held, touches, returns} <= 8'd0;
             nearby   <= {N{1'b0}};
         end
@@ -156,21 +211,14 @@ module motion_meeting #(
         end
         asks      <= busy && any_ahead;
         asked     <= lowest;
-        asks_then <= {asks_then[6:1], asks};
-        {asked_7, asked_6, asked_5, asked_4, asked_3, asked_2, asked_1} <= {asked_6, asked_5, asked_4, asked_3, asked_2, asked_1, asked};
+        asks_then <= {asks_then[5:1], asks};
+        {asked_6, asked_5, asked_4, asked_3, asked_2, asked_1} <= {asked_5, asked_4, asked_3, asked_2, asked_1, asked};
+        asked_7   <= asks_then[6] ? one << asked_6 : {N{1'b0}};
         {done, ends} <= {ends, busy && !any_ahead};
 
-        // What is compared with the other slot is there two clocks after `asked`.
-        box_on       <= {share(box[0+:2*PX_W], other_box[0+:2*PX_W]), share(box[2*PX_W+:2*PX_W], other_box[2*PX_W+:2*PX_W])};
-        window_on    <= {share(box[0+:2*PX_W], other_window[0+:2*PX_W]), share(box[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
-        both_on      <= {share(window[0+:2*PX_W], other_window[0+:2*PX_W]), share(window[2*PX_W+:2*PX_W], other_window[2*PX_W+:2*PX_W])};
-        low_in       <= {lies_in(lo_y, other_window[0+:2*PX_W]), lies_in(lo_x, other_window[2*PX_W+:2*PX_W])};
-        high_in      <= {lies_in(hi_y, other_window[0+:2*PX_W]), lies_in(hi_x, other_window[2*PX_W+:2*PX_W])};
-        middle_in    <= {lies_in(middle_y, other_window[0+:2*PX_W]), lies_in(middle_x, other_window[2*PX_W+:2*PX_W])};
         is_visible   <= asks_then[2] && visible[asked_2];
-        is_candidate <= asks_then[2] && candidate[asked_2] && (!follows || asked_2 > behind);
-        is_left      <= asks_then[2] && left[asked_2];
-        if (asks_then[7]) nearby[asked_7] <= (box_on_7[0] && near_y) || (box_on_7[1] && near_x);
+        is_candidate <= asks_then[2] && candidate[asked_2] && (!follows || behind < asked_2);
+        is_left      <= asks_then[2] && !visible[asked_2] && !candidate[asked_2];
         if (is_visible) begin
             meets  <= meets || &both_on;
             held   <= held || &middle_in;
@@ -183,12 +231,12 @@ module motion_meeting #(
             starts    <= 1'b0;
             busy      <= 1'b0;
             asks      <= 1'b0;
-            asks_then <= 7'd0;
+            asks_then <= 6'd0;
             {done, ends} <= 8'd0;
         end
     end
 
-    wire unused = &{1'b0, sum_x[0], sum_y[0]};
+    wire unused = &{1'b0, middle, spare_x, spare_y};
 
 endmodule
 

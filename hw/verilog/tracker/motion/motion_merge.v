@@ -13,7 +13,6 @@
 `include "evcot_defs.vh"
 
 module motion_merge #(
-    parameter N      = 8,
     parameter SLOT_W = 3,
     parameter ID_W   = 32
 ) (
@@ -32,8 +31,8 @@ module motion_merge #(
 
     // what decides
     input  wire              lane,
-    input  wire [N-1:0]      visible,
-    input  wire              older,        // the deadline that stayed is earlier
+    input  wire [1:0]        at_state,     // of `at`, two clocks late: free, candidate, visible, left
+    input  wire              later,        // the deadline that is held is not before that of `at`
     input  wire              window_done,
     input  wire              mask_busy,    // the window before is still being written to masks, and must stay
     input  wire              record_free,
@@ -46,20 +45,18 @@ module motion_merge #(
     output reg               c_reflect,
     output reg               c_cover,
     output reg               c_window,
-    output reg               c_take,       // the deadline of the one that goes
+    output reg               c_hold,       // the deadline of the one that goes
     output reg               lapse,
     output reg               say,          // the record is taken
     output reg  [1:0]        kind,
     output reg  [ID_W-1:0]   stays_id,
-    output reg  [1:0]        since,        // see motion_times.v
     output reg               keep,
     output reg               keep_now,
     output reg               keep_until,
     output reg               keep_window
 );
 
-    localparam [1:0] UNTIL    = 2'd1;
-    localparam [1:0] REPORTED = 2'd3;
+    localparam [1:0] VISIBLE = 2'd2;   // state of a slot
 
     localparam [4:0] REST    = 5'd0;   // waits for a start
     localparam [4:0] SAVED   = 5'd2;   // reads the one that goes
@@ -83,7 +80,7 @@ module motion_merge #(
 
     reg [4:0] state;
     reg [6:0] pause;       // a one for each clock until the state is gone on with
-    reg       at_visible, goes_visible;
+    reg       goes_visible;
     reg       reads, unites;  // the one that goes is being read; the one that stays is
     wire      goes_on = !pause[0];
 
@@ -97,16 +94,13 @@ module motion_merge #(
     endfunction
 
     always @(posedge clk) begin
-        {c_settle, c_reflect, c_cover, c_window, c_take, lapse, done, fetch} <= 8'd0;
+        {c_settle, c_reflect, c_cover, c_window, c_hold, lapse, done, fetch} <= 8'd0;
         {keep, keep_now, keep_until, keep_window, say} <= 5'd0;
-        at_visible   <= visible[at];
-        goes_visible <= visible[goes];
 
         pause <= {1'b0, pause[6:1]};
         if (goes_on) case (state)
             REST: begin
-                at     <= stays;
-                since  <= UNTIL;
+                at <= stays;
                 if (start) begin
                     rests <= 1'b0;
                     state <= BEGIN;
@@ -125,12 +119,13 @@ module motion_merge #(
             end
             GOES:
             if (read_done) begin
-                reads <= 1'b0;
-                state <= GONE;
+                reads        <= 1'b0;
+                goes_visible <= at_state == VISIBLE;
+                state        <= GONE;
             end
 
             GONE: begin
-                c_take <= 1'b1;
+                c_hold <= 1'b1;
                 at     <= stays;
                 pause  <= clocks(3'd3);
                 state  <= STAYS;
@@ -181,7 +176,7 @@ module motion_merge #(
                 state    <= LATER;
             end
             LATER: begin
-                keep_until <= !older;
+                keep_until <= later;
                 pause      <= clocks(3'd5);
                 state      <= PLACE;
             end
@@ -199,12 +194,11 @@ module motion_merge #(
             WRITE: begin
                 keep     <= 1'b1;
                 kind     <= `EVCOT_KIND_MOVED;
-                state    <= at_visible ? SAY : WRITTEN;
+                state    <= at_state == VISIBLE ? SAY : WRITTEN;
             end
             SAY:
             if (record_free) begin
                 say      <= 1'b1;
-                since    <= REPORTED;
                 keep_now <= 1'b1;
                 state    <= WRITTEN;
             end

@@ -71,6 +71,7 @@ module motion_order #(
     input  wire                    silent,
     input  wire                    ended,
     input  wire                    older,
+    input  wire                    later,
     input  wire                    dividing,
     input  wire                    enough,
     input  wire                    overdue,
@@ -141,6 +142,9 @@ module motion_order #(
     output wire [1:0]              since
 );
 
+    localparam [1:0] VISIBLE  = 2'd2;  // state of a slot
+    localparam [1:0] REPORTED = 2'd2;  // of the times of a slot: see motion_times.v
+
     // Names of motion_correct.v begin with k_, of motion_step.v with s_, of motion_merge.v with m_.
     wire              k_rests, k_done, k_load, k_seed, k_shrink, k_cut_high, k_cut_low, k_order;
     wire              k_offset, k_reflect, k_settle, k_inverse, k_speed, k_times, k_count, k_bins, k_window, k_note, k_say;
@@ -149,11 +153,10 @@ module motion_order #(
     wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
     wire              m_rests, m_done, m_fetch, m_load, m_unite, m_settle, m_reflect, m_cover;
     wire              s_resume, s_leave, s_leaves, s_keep_until, s_widest;
-    wire              m_window, m_take, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
+    wire              m_window, m_hold, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
     wire [SLOT_W-1:0] k_at, s_at, m_at, goes;
-    wire [1:0]        s_kind, m_kind, k_since, s_since, m_since;
+    wire [1:0]        s_kind, m_kind, k_since, s_since;
     reg               k_was;        // and what it has written last is being written
-    reg               k_visible;    // its slot is
     reg               passes;       // of the job that is there nothing is computed: it is empty
     reg               at_work;      // it has begun
     wire              correcting = !k_rests || k_was;
@@ -172,7 +175,7 @@ module motion_order #(
     assign of_job   = m_rests;
     assign say      = k_say || s_say || m_say;
     assign kind     = correcting ? `EVCOT_KIND_MOVED : merging ? m_kind : s_kind;
-    assign since    = !job_kind[1] ? k_since : merging ? m_since : s_since;
+    assign since    = !job_kind[1] ? k_since : merging ? REPORTED : s_since;
 
     assign seed         = k_seed;
     assign shrink       = k_shrink;
@@ -201,8 +204,8 @@ module motion_order #(
     assign ask          = s_ask;
     assign touch        = s_touch;
     assign meet         = s_meet;
-    assign take         = s_take || m_take;
-    assign hold         = m_take;
+    assign take         = s_take;
+    assign hold         = m_hold;
     assign divide       = s_divide;
     assign by_life      = s_by_life;
     assign keep         = k_keep || s_keep || m_keep;
@@ -218,7 +221,6 @@ module motion_order #(
         at        <= !k_rests ? k_at : merging ? m_at : !s_rests ? s_at : job_slot;
         state     <= {visible[at] || left[at], candidate[at] || left[at]};
         k_was     <= !k_rests;
-        k_visible <= visible[k_at];
         loads     <= read_next && (k_load || s_load || m_load || m_unite);
         load      <= read_next && (k_load || s_load || m_load);
         begin_job <= read_next && (k_load || s_load);
@@ -246,7 +248,7 @@ module motion_order #(
         .op_clear    (op_clear),
         .op_bin      (op_bin),
         .lane        (lane),
-        .visible     (k_visible),
+        .visible     (state == VISIBLE),
         .shrinks     (shrinks),
         .q_meets     (q_meets),
         .corrections (corrections),
@@ -307,8 +309,7 @@ module motion_order #(
         .merge      (s_merge),
         .goes       (goes),
         .merged     (m_done),
-        .visible    (visible),
-        .candidate  (candidate),
+        .at_state   (state),
         .left       (left),
         .settled    (settled),
         .corrections(corrections),
@@ -370,7 +371,6 @@ module motion_order #(
     );
 
     motion_merge #(
-        .N     (N),
         .SLOT_W(SLOT_W),
         .ID_W  (ID_W)
     ) u_merge (
@@ -385,8 +385,8 @@ module motion_order #(
         .fetch      (m_fetch),
         .read_done  (read_done),
         .lane       (lane),
-        .visible    (visible),
-        .older      (older),
+        .at_state   (state),
+        .later      (later),
         .window_done(window_done),
         .mask_busy  (mask_busy),
         .record_free(record_free),
@@ -397,12 +397,11 @@ module motion_order #(
         .c_reflect  (m_reflect),
         .c_cover    (m_cover),
         .c_window   (m_window),
-        .c_take     (m_take),
+        .c_hold     (m_hold),
         .lapse      (m_lapse),
         .say        (m_say),
         .kind       (m_kind),
         .stays_id   (stays_id),
-        .since      (m_since),
         .keep       (m_keep),
         .keep_now   (m_keep_now),
         .keep_until (m_keep_until),

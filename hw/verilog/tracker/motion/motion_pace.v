@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The velocity that records state: the displacement of the box per motion step, averaged twice. docs/motion.md, rule V1.
 //
-// Each axis has a word in memory. Words of x and y are read in turn, and both means go through one circuit, first that of displacements.
+// Each axis has a word in two memories. Words of x and y are read in turn, and both means go through one circuit, first that of displacements.
 // `at` must be there 3 clocks before a command; it, sums and sides must stay until that is carried out.
 //
 // Latency:    14 clocks from `follow`, 7 from `begins`, 2 from `settle` until memory has it; 4 from `at` to `v_x` and `v_y`.
@@ -31,6 +31,7 @@ module motion_pace #(
     input  wire [SIDE_W-1:0] side_x,  // hi - lo, at least 0
     input  wire [SIDE_W-1:0] side_y,
 
+    output reg  [SIDE_W-1:0] shorter, // of both sides
     output reg  [15:0]       v_x,     // the stated velocity
     output reg  [15:0]       v_y
 );
@@ -44,7 +45,6 @@ module motion_pace #(
     reg                      on_y;
     wire [WAS_W-1:0]         was;
     wire signed [PACE_W-1:0] pace, stated;
-    reg  signed [PACE_W-1:0] pace_1, stated_1;
     wire signed [WAS_W-1:0]  sum   = on_y ? sum_y[WAS_W-1:0] : sum_x[WAS_W-1:0];
     reg         [WAS_W-1:0]  sum_1;
 
@@ -57,32 +57,33 @@ module motion_pace #(
     // ---- how many steps the means are over -------------------------------------------------------------------------------
 
     reg  [PACE_W-1:0]          speed_1, speed_2, speed;
-    reg  [SIDE_W-1:0]          shorter;
-    reg  [2:0]                 slow;
+    wire [PACE_W-1:0]          size;      // of the velocity that was read
+    reg  [1:0]                 slow;      // log2 of them, less 1
     reg  [SIDE_W-1:0]          way_slow;  // in 2^slow steps
-    wire                       too_slow = slow != 3'd1 && way_slow > shorter;
+    wire                       too_slow = slow != 2'd0 && shorter < way_slow;
+
+    motion_sum #(
+        .W(PACE_W)
+    ) u_size (
+        .adds (1'b0),
+        .a    ({PACE_W{1'b0}}),
+        .minus(stated[PACE_W-1]),
+        .b    (stated),
+        .y    (size)
+    );
 
     // ---- the pipeline: an axis enters it in every second clock and goes through its stages 3 to 5 twice ------------------------
 
     reg  signed [WAS_W-1:0]    way_1;
     reg  signed [PACE_W-1:0]   way_2, step_4, mean_5, mean_6, mean_7, mean_8, mean_9;
     reg  signed [PACE_W:0]     more_3;
+    reg                        half_4;      // what is rounded off is half or more: step_4 is one more
+    wire signed [PACE_W:0]     part_3  = more_3 >>> slow;
     reg                        again;       // in stages 2 and 4: the mean of the mean
     wire                       is_wide = way_1[WAS_W-1:PACE_W-1] != {(WAS_W + 1 - PACE_W) {way_1[WAS_W-1]}};
     wire signed [PACE_W-1:0]   value   = again ? stated : pace;
     wire signed [PACE_W-1:0]   aim     = again ? mean_6 : way_2;
-
-    // A difference to nearest, in parts of 2^slow.
-    function signed [PACE_W-1:0] part_of;
-        input signed [PACE_W:0] more;
-        input        [2:0]      places;
-        reg signed   [PACE_W+1:0] half;
-        begin
-            half    = {more[PACE_W], more} + (({{(PACE_W + 1) {1'b0}}, 1'b1} << places) >> 1);
-            half    = half >>> places;
-            part_of = half[PACE_W-1:0];
-        end
-    endfunction
+    wire        [PACE_W:0]     sum_4   = {value, 1'b1} + {step_4, half_4};
 
     function [ADDR_W-1:0] place;
         input [SLOT_W-1:0] slot;
@@ -91,26 +92,35 @@ module motion_pace #(
     endfunction
 
     block_memory #(
-        .W    (WAS_W + 2 * PACE_W),
+        .W    (WAS_W),
         .DEPTH(1 << ADDR_W)
-    ) u_paces (
+    ) u_places (
         .clk          (clk),
         .write        (begins_now || settle || settle_1 || follows_now),
         .write_address(place(at, !on_y)),
-        .write_data   ({
-            sum_1,
-            begins_now ? {2{on_y ? v[15:0] : v[31:16], 1'b0}} : follows_now ? {mean_9, mean_5} : {pace_1, stated_1}
-        }),
+        .write_data   (sum_1),
         .read_enable  (1'b1),
         .read_address (place(at, on_y)),
         .out_enable   (1'b1),
-        .read_data    ({was, pace, stated})
+        .read_data    (was)
+    );
+
+    block_memory #(
+        .W    (2 * PACE_W),
+        .DEPTH(1 << ADDR_W)
+    ) u_paces (
+        .clk          (clk),
+        .write        (begins_now || follows_now),
+        .write_address(place(at, !on_y)),
+        .write_data   (begins_now ? {2{on_y ? v[15:0] : v[31:16], 1'b0}} : {mean_9, mean_5}),
+        .read_enable  (1'b1),
+        .read_address (place(at, on_y)),
+        .out_enable   (1'b1),
+        .read_data    ({pace, stated})
     );
 
     always @(posedge clk) begin
         on_y     <= !on_y;
-        pace_1   <= pace;
-        stated_1 <= stated;
         sum_1    <= sum;
         settle_1 <= settle;
         begun    <= {begun[5:1], begins};
@@ -118,15 +128,15 @@ module motion_pace #(
         if (on_y) v_y <= stated[PACE_W-1:1];
         else v_x <= stated[PACE_W-1:1];
 
-        speed_1 <= stated[PACE_W-1] ? -stated : stated;
+        speed_1 <= size;
         speed_2 <= speed_1;
-        speed   <= speed_1 > speed_2 ? speed_1 : speed_2;
+        speed   <= speed_2 < speed_1 ? speed_1 : speed_2;
         shorter <= side_x < side_y ? side_x : side_y;
         if (followed[2]) begin
-            slow     <= SLOW_MAX;
+            slow     <= 2'd3;  // SLOW_MAX
             way_slow <= {{(SIDE_W - PACE_W - SLOW_MAX) {1'b0}}, speed, {SLOW_MAX{1'b0}}};
         end else if (too_slow) begin
-            slow     <= slow - 3'd1;
+            slow     <= slow - 2'd1;
             way_slow <= way_slow >> 1;
         end
 
@@ -135,8 +145,9 @@ module motion_pace #(
         way_2  <= is_wide ? {way_1[WAS_W-1], {(PACE_W - 1) {!way_1[WAS_W-1]}}} : way_1[PACE_W-1:0];
         again  <= followed[8] || followed[9] || followed[10] || followed[11];
         more_3 <= {aim[PACE_W-1], aim} - {value[PACE_W-1], value};
-        step_4 <= part_of(more_3, slow);
-        mean_5 <= value + step_4;
+        step_4 <= part_3[PACE_W:1];
+        half_4 <= part_3[0];
+        mean_5 <= sum_4[PACE_W:1];
         {mean_9, mean_8, mean_7, mean_6} <= {mean_8, mean_7, mean_6, mean_5};
         if (rst) begin
             on_y     <= 1'b0;
@@ -145,7 +156,7 @@ module motion_pace #(
         end
     end
 
-    wire unused = &{1'b0, sum_x[SIDE_W:WAS_W], sum_y[SIDE_W:WAS_W]};
+    wire unused = &{1'b0, sum_x[SIDE_W:WAS_W], sum_y[SIDE_W:WAS_W], sum_4[0]};
 
 endmodule
 

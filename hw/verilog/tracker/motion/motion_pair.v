@@ -57,8 +57,8 @@ module motion_pair #(
     wire [15:0]           faster    = {1'b0, speed} - {1'b0, fast};
     wire                  slower    = faster[15];
     reg  signed [17:0]    most;              // by how much they may differ
-    wire signed [17:0]    over      = most - {between[16], between};
-    wire signed [17:0]    under     = most + {between[16], between};
+    wire [17:0]           margin;            // of that, beside their difference: negative where it is more
+    wire [14:0]           taken_speed;
 
     // ---- boxes: both lengths, then the two other differences of a high and a low bound; the least is how far they overlap --
 
@@ -85,59 +85,91 @@ module motion_pair #(
     wire signed [GAP_W:0]  beyond     = {side[GAP_W-1], side} - {least[GAP_W-1], least};  // the sign of a difference is a comparison
     wire                   lower      = beyond[GAP_W];
     wire signed [GAP_W:0]  wider      = {least[GAP_W-1], least} - {3'b000, half};
-    wire [PX_W-1:0]        near       = (along ? reach : {PX_W{1'b0}}) + {{(PX_W - 8) {1'b0}}, join_px};
+    wire [PX_W-1:0]        near;
     wire signed [GAP_W-1:0] spare     = least + $signed({1'b0, near});
     wire                   shifted    = fast_down == 4'd0 && reach_down == 4'd0;
     wire                   busy       = |step || |part || waits;
     wire                   judges     = waits && (!along || shifted);
 
+    motion_sum #(
+        .W(PX_W)
+    ) u_near (
+        .adds (along),
+        .a    (reach),
+        .minus(1'b0),
+        .b    ({{(PX_W - 8) {1'b0}}, join_px}),
+        .y    (near)
+    );
+
+    motion_sum #(
+        .W(15)
+    ) u_speed (
+        .adds (1'b0),
+        .a    (15'd0),
+        .minus(taken[15]),
+        .b    (taken[14:0]),
+        .y    (taken_speed)
+    );
+
+    motion_sum #(
+        .W(18)
+    ) u_margin (
+        .adds (1'b1),
+        .a    (most),
+        .minus(!between[16]),
+        .b    ({between[16], between}),
+        .y    (margin)
+    );
+
     always @(posedge clk) begin
-        weaker    <= less;
-        takes_own <= less == (step[1] || step[2]);
-
-        step     <= {step[3:0], start};
-        on_y     <= start || (busy && !on_y);
-        v        <= on_y ? other_v_y : other_v_x;
-        own_v    <= on_y ? one_v_y : one_v_x;
-        speed    <= taken[15] ? -taken[14:0] : taken[14:0];
-        between  <= {v[15], v} - {own_v[15], own_v};
-        most     <= {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
-        agrees   <= !over[17] && !under[17];
-        agrees_1 <= agrees;
-        if (step[1] || (|step[4:2] && !slower)) fast <= speed;
-        if (step[2]) leads_y <= !slower;
-        if (step[4]) fast_down <= join_speed;
-        else if (fast_down != 4'd0) begin
-            fast      <= {1'b0, fast[14:1]};
-            fast_down <= fast_down - 4'd1;
-        end
-
+        weaker <= less;
+        step <= {step[3:0], start};
+        on_y <= start || (busy && !on_y);
         part <= {part[4:0], step[3] || (judges && !along)};
-        hi   <= other_hi ? other_axis[0+:PX_W] : own_axis[0+:PX_W];
-        lo   <= other_lo ? other_axis[PX_W+:PX_W] : own_axis[PX_W+:PX_W];
-        side <= {hi[PX_W-1], hi} - {lo[PX_W-1], lo};
-        if (part[2] || (|part[5:3] && lower)) least <= side;
-        if (part[4]) half <= least[PX_W-1:1];
-        last_side <= side[PX_W-1:0];
-        is_longer <= part[3] && !lower;
-        if (!along && (part[2] || is_longer)) reach <= part[2] ? side[PX_W-1:0] : last_side;
-        if (!along && part[4]) reach_down <= join_reach;
-        else if (reach_down != 4'd0) begin
-            reach      <= {1'b0, reach[PX_W-1:1]};
-            reach_down <= reach_down - 4'd1;
-        end
         waits <= part[5] || (waits && !judges);
-        last  <= {last[1:0], judges && along};
-        if (judges) begin
-            abreast   <= !wider[GAP_W];
-            close     <= !spare[GAP_W-1];
-            abreast_1 <= abreast;
-            close_1   <= close;
-            along     <= 1'b1;
-        end
-        if (start) along <= 1'b0;
-        if (last[2]) alike <= agrees && agrees_1 && ((abreast_1 && close) || (abreast && close_1));
+        last <= {last[1:0], judges && along};
         done <= last[2];
+        if (start || busy || |last) begin  // a simulator need not go through it else
+            takes_own <= less == (step[1] || step[2]);
+
+            v        <= on_y ? other_v_y : other_v_x;
+            own_v    <= on_y ? one_v_y : one_v_x;
+            speed    <= taken_speed;
+            between  <= {v[15], v} - {own_v[15], own_v};
+            most     <= {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
+            agrees   <= !margin[17];
+            agrees_1 <= agrees;
+            if (step[1] || (|step[4:2] && !slower)) fast <= speed;
+            if (step[2]) leads_y <= !slower;
+            if (step[4]) fast_down <= join_speed;
+            else if (fast_down != 4'd0) begin
+                fast      <= {1'b0, fast[14:1]};
+                fast_down <= fast_down - 4'd1;
+            end
+
+            hi   <= other_hi ? other_axis[0+:PX_W] : own_axis[0+:PX_W];
+            lo   <= other_lo ? other_axis[PX_W+:PX_W] : own_axis[PX_W+:PX_W];
+            side <= {hi[PX_W-1], hi} - {lo[PX_W-1], lo};
+            if (part[2] || (|part[5:3] && lower)) least <= side;
+            if (part[4]) half <= least[PX_W-1:1];
+            last_side <= side[PX_W-1:0];
+            is_longer <= part[3] && !lower;
+            if (!along && (part[2] || is_longer)) reach <= part[2] ? side[PX_W-1:0] : last_side;
+            if (!along && part[4]) reach_down <= join_reach;
+            else if (reach_down != 4'd0) begin
+                reach      <= {1'b0, reach[PX_W-1:1]};
+                reach_down <= reach_down - 4'd1;
+            end
+            if (judges) begin
+                abreast   <= !wider[GAP_W];
+                close     <= !spare[GAP_W-1];
+                abreast_1 <= abreast;
+                close_1   <= close;
+                along     <= 1'b1;
+            end
+            if (start) along <= 1'b0;
+            if (last[2]) alike <= agrees && agrees_1 && ((abreast_1 && close) || (abreast && close_1));
+        end
 
         if (rst) begin
             step       <= 5'd0;
@@ -150,7 +182,7 @@ module motion_pair #(
         end
     end
 
-    wire unused = &{1'b0, taken, faster, over[16:0], under[16:0], spare[GAP_W-2:0], beyond, wider};
+    wire unused = &{1'b0, taken, faster, margin[16:0], spare[GAP_W-2:0], beyond, wider};
 
 endmodule
 

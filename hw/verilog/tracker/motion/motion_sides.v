@@ -6,7 +6,7 @@
 // steps, or after `reflect` how far the side is from there; after another one it is the place again.
 //
 // Latency:    from a command: 3 clocks to the sides of x in front, 2 to ref, 1 to the velocity; from seed 5 to the sides and the velocity;
-//             one more for y. o_* show what is in front one clock later, side and sum three. After load, with which `lane` goes high, x
+//             one more for y. f_* and o_* show what is in front one clock later, side and sum three. After load, with which `lane` goes high, x
 //             is behind.
 // Throughput: a command every second clock; shrink and shorten follow the sides, rub the velocity, as they were 4 clocks before, order
 //             and unite the differences of 2 clocks before.
@@ -25,7 +25,7 @@ module motion_sides #(
     input  wire                rst,
 
     // commands
-    input  wire                load,      // takes r_*, m_*, at any time; they must stay for the next clock
+    input  wire                load,      // takes r_*, m_*, at any time; m_v must stay for the next clock
     input  wire                load_refs, // with it, and never alone: ref as well
     input  wire                seed,      // a square about x, y, at rest
     input  wire                shrink,    // a part inwards, but for marked sides
@@ -44,8 +44,8 @@ module motion_sides #(
     // operands: x first
     input  wire [X_W-1:0]      x,
     input  wire [Y_W-1:0]      y,
-    input  wire [4*SIDE_W-1:0] r_sides,   // lo and hi of x, lo and hi of y
-    input  wire [4*SIDE_W-1:0] m_refs,
+    input  wire [2*SIDE_W-1:0] r_sides,   // lo and hi: with `load` of x, in the next clock of y
+    input  wire [2*SIDE_W-1:0] r_refs,
     input  wire [31:0]         m_v,       // y, x
     input  wire [15:0]         v_next,
     input  wire [3:0]          marks,     // hi and lo of y, hi and lo of x
@@ -65,9 +65,13 @@ module motion_sides #(
     // that in front
     output reg  [SIDE_W:0]     sum,
 
+    // that in front, a clock later
+    output reg                 f_y,       // it is y
+    output reg  [2*SIDE_W-1:0] f_sides,
+    output reg  [2*SIDE_W-1:0] f_refs,
+
     // both
     output reg  [4*SIDE_W-1:0] o_sides,
-    output reg  [4*SIDE_W-1:0] o_refs,
     output reg  [31:0]         o_v,
     output reg  [14:0]         speed_x,   // without sign
     output reg  [14:0]         speed_y,
@@ -108,6 +112,7 @@ module motion_sides #(
 
     reg signed [SIDE_W-1:0] lo_a, hi_a, lo_b, hi_b, new_lo, new_hi;
     reg signed [SIDE_W:0]   ref_lo_a, ref_hi_a;
+    wire [SIDE_W:0]         next_ref_lo, next_ref_hi;
     reg signed [15:0]       v_a, v_part;
     reg signed [15:0]       v_less, v_slow;    // of the axis behind
     reg signed [SIDE_W:0]   apart;             // of the axis in front, as sum
@@ -123,16 +128,37 @@ module motion_sides #(
     wire [SIDE_W-1:0] half     = only(seed_b, {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0}) | only(long_b, {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0});
     wire signed [15:0] slow    = rub_b ? v_slow : v;
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
-    wire [2*SIDE_W-1:0] refs   = load ? m_refs[4*SIDE_W-1:2*SIDE_W] : m_refs[2*SIDE_W-1:0];
     wire [SIDE_W-1:0] at_x     = {{(SIDE_W - 12 - X_W) {1'b0}}, x, 12'd0};
     wire [SIDE_W-1:0] at_y     = {{(SIDE_W - 12 - Y_W) {1'b0}}, y, 12'd0};
     wire [1:0]        mark     = is_y ? marks[3:2] : marks[1:0];
     wire [SIDE_W-1:0] side     = apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0];
-    wire [SIDE_W+1:0]        spare    = {{(PX_W - 10) {1'b0}}, side_max, 12'd0} - {apart[SIDE_W], apart};
+    // From the length to the longest one, in whole pixels, of which a part of one counts as one: negative where it is too long.
+    wire [PX_W+2:0]          spare    = {{(PX_W - 10) {1'b0}}, side_max, 1'b1} + {~apart[SIDE_W], ~apart[SIDE_W:12], ~|apart[11:0]};
     wire signed [SIDE_W-1:0] base_lo  = from_place ? place : from_middle ? sum[SIDE_W:1] : lo_a;
     wire signed [SIDE_W-1:0] base_hi  = from_place ? place : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
     wire [SIDE_W:0]          sum_lo   = {base_lo, 1'b1} + {add_lo, less_lo};
     wire [SIDE_W:0]          sum_hi   = {base_hi, 1'b1} + {add_hi, less_hi};
+
+    // How far the side is from ref, or ref.
+    motion_sum #(
+        .W(SIDE_W + 1)
+    ) u_ref_lo (
+        .adds (change_a),
+        .a    ({lo_a[SIDE_W-1], lo_a}),
+        .minus(change_a),
+        .b    (ref_lo_a),
+        .y    (next_ref_lo)
+    );
+
+    motion_sum #(
+        .W(SIDE_W + 1)
+    ) u_ref_hi (
+        .adds (change_a),
+        .a    ({hi_a[SIDE_W-1], hi_a}),
+        .minus(change_a),
+        .b    (ref_hi_a),
+        .y    (next_ref_hi)
+    );
 
     // One command at a time.
     function [SIDE_W-1:0] only;
@@ -177,8 +203,8 @@ module motion_sides #(
 
         // in front, and behind
         if (!load || is_y) begin
-            ref_lo <= change_a ? {lo_a[SIDE_W-1], lo_a} - ref_lo_a : ref_lo_a;
-            ref_hi <= change_a ? {hi_a[SIDE_W-1], hi_a} - ref_hi_a : ref_hi_a;
+            ref_lo <= next_ref_lo;
+            ref_hi <= next_ref_hi;
             {ref_lo_a, ref_hi_a} <= settle || settles ? {(2 * SIDE_W + 2) {1'b0}} : {ref_lo, ref_hi};
         end
         v      <= from_place ? 16'sd0 : v_a;
@@ -192,14 +218,24 @@ module motion_sides #(
         loads <= load;
         takes <= load_refs;
         if (load || loads) begin
-            {lo_b, hi_b} <= load ? r_sides[4*SIDE_W-1:2*SIDE_W] : r_sides[2*SIDE_W-1:0];
+            {lo_b, hi_b} <= r_sides;
             v            <= load ? m_v[15:0] : m_v[31:16];
         end
-        if (load_refs || takes) {ref_lo, ref_hi} <= {refs[2*SIDE_W-1], refs[SIDE_W+:SIDE_W], refs[SIDE_W-1], refs[0+:SIDE_W]};
+        if (load_refs || takes) {ref_lo, ref_hi} <= {r_refs[2*SIDE_W-1], r_refs[SIDE_W+:SIDE_W], r_refs[SIDE_W-1], r_refs[0+:SIDE_W]};
         if (rst) {lane, is_y} <= 2'b01;
     end
 
-    wire [14:0] speed = v_a[15] ? -v_a[14:0] : v_a[14:0];
+    wire [14:0] speed;
+
+    motion_sum #(
+        .W(15)
+    ) u_speed (
+        .adds (1'b0),
+        .a    (15'd0),
+        .minus(v_a[15]),
+        .b    (v_a[14:0]),
+        .y    (speed)
+    );
 
     // ---- what follows from them ------------------------------------------------------------------------------------------
 
@@ -208,17 +244,18 @@ module motion_sides #(
         sum      <= {hi_b[SIDE_W-1], hi_b} + {lo_b[SIDE_W-1], lo_b};
         part     <= apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0] >> side_shrink;
         inverted <= apart[SIDE_W];
-        too_long <= spare[SIDE_W+1];
+        too_long <= spare[PX_W+2];
         shortened <= long_b && too_long;
+        f_y     <= !is_y;
+        f_sides <= {lo_a, hi_a};
+        f_refs  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
         if (!is_y) begin
             o_sides[2*SIDE_W-1:0] <= {lo_a, hi_a};
-            o_refs[2*SIDE_W-1:0]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
             o_v[31:16]            <= v_a;
             speed_y               <= speed;
             {side_y, sum_y, crossed_y} <= {side, sum, apart[SIDE_W]};
         end else begin
             o_sides[4*SIDE_W-1:2*SIDE_W] <= {lo_a, hi_a};
-            o_refs[4*SIDE_W-1:2*SIDE_W]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
             o_v[15:0]                    <= v_a;
             speed_x                      <= speed;
             {side_x, sum_x, crossed_x}   <= {side, sum, apart[SIDE_W]};

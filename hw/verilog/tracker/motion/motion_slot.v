@@ -41,21 +41,24 @@ module motion_slot #(
     input  wire                resume,
     input  wire                ask_start,    // the start is read, else the id
     input  wire                on_y,         // the start of which axis is read, or written
+    input  wire                read_y,       // of which axis sides, refs and moves are read
     input  wire                keep_start,   // the place at the fourth correction
     input  wire                finish,       // what takes effect
 
     // operands
     input  wire [SUP_W-1:0]    job_owned,
     input  wire [3:0]          job_marks,
-    input  wire [4*SIDE_W-1:0] sides,
-    input  wire [4*SIDE_W-1:0] moves,        // how far they move as they take effect
+    input  wire                sides_y,      // axes in turn: see motion_context.v
+    input  wire [2*SIDE_W-1:0] sides,
+    input  wire [2*SIDE_W-1:0] refs,
+    input  wire                moves_y,
+    input  wire [2*SIDE_W-1:0] moves,        // how far sides move as they take effect
     input  wire [1:0]          state,
     input  wire [PX_W-1:0]     length_x,
     input  wire [PX_W-1:0]     length_y,
     input  wire                meets_now,
     input  wire [3:0]          hidden_now,
     input  wire [31:0]         v,            // y, x
-    input  wire [4*SIDE_W-1:0] refs,
     input  wire [23:0]         usual,
     input  wire [4*PX_W-1:0]   box,
     input  wire [4*PX_W-1:0]   window,
@@ -87,12 +90,12 @@ module motion_slot #(
     output reg  [9:0]          log2,         // of bins, y and x
 
     // what memory has
-    output wire [4*SIDE_W-1:0] q_sides,
-    output wire [4*SIDE_W-1:0] q_moves,
+    output wire [2*SIDE_W-1:0] q_sides,
+    output wire [2*SIDE_W-1:0] q_refs,
+    output wire [2*SIDE_W-1:0] q_moves,
     output wire [SUP_W-1:0]    q_support,
     output wire                q_meets,
     output wire [31:0]         q_v,
-    output wire [4*SIDE_W-1:0] q_refs,
     output wire [23:0]         q_usual,
     output wire [ID_W-1:0]     q_id,
     output wire [SIDE_W:0]     q_start,
@@ -112,6 +115,7 @@ module motion_slot #(
     reg               has_partner;
     reg  [SLOT_W-1:0] partner;
     reg  [ID_W-1:0]   births;
+    wire [15:0]       next_together;
     reg  [PX_W:0]     outline;
     reg  [9:0]        next_log2;
 
@@ -147,16 +151,19 @@ module motion_slot #(
         .keep_id      (keep_id),
         .ask_start    (ask_start),
         .on_y         (on_y),
+        .read_y       (read_y),
         .keep_start   (keep_start),
         .finish       (finish),
+        .sides_y      (sides_y),
         .sides        (sides),
+        .refs         (refs),
+        .moves_y      (moves_y),
         .moves        (moves),
         .support      (support),
         .merged       (merged),
         .marks        (marks),
         .state        (state),
         .v            (v),
-        .refs         (refs),
         .corrections  (corrections),
         .looked       (looked),
         .meets        ({hidden, meets}),
@@ -173,11 +180,11 @@ module motion_slot #(
         .start        (start),
         .log2         (log2),
         .q_sides      (q_sides),
+        .q_refs       (q_refs),
         .q_moves      (q_moves),
         .q_support    (q_support),
         .q_merged     (q_merged),
         .q_v          (q_v),
-        .q_refs       (q_refs),
         .q_corrections(q_corrections),
         .q_looked     (q_looked),
         .q_meets      ({q_hidden, q_meets}),
@@ -200,6 +207,16 @@ module motion_slot #(
         .e_n_ev       (e_n_ev)
     );
 
+    motion_sum #(
+        .W(16)
+    ) u_together (
+        .adds (part || (has_partner && partner == at)),
+        .a    (together),
+        .minus(part),
+        .b    (16'd1),
+        .y    (next_together)
+    );
+
     // Bins of 2^n pixels, eight to sixteen for the whole side.
     function [4:0] log2_of;
         input [PX_W-1:0] length;
@@ -215,7 +232,7 @@ module motion_slot #(
         least_gain <= burst ? 4'd1 : slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
         gain     <= least_gain + {3'd0, meets};
         room     <= meets ? 4'd0 : burst ? 4'd1 : gain_fast == 4'd0 || least_gain < gain_fast ? 4'd0 : least_gain - gain_fast;
-        look_due <= gap_corrections != 8'd0 && (merged || {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections});
+        look_due <= gap_corrections != 8'd0 && (merged || !({1'b0, looked} + 9'd1 < {1'b0, gap_corrections}));
         next_log2 <= {log2_of(length_y), log2_of(length_x)};
         outline  <= {1'b0, length_x} + {1'b0, length_y};
 
@@ -263,9 +280,8 @@ module motion_slot #(
         if (pair) begin
             has_partner <= 1'b1;
             partner     <= at;
-            together    <= has_partner && partner == at ? together + 16'd1 : 16'd1;
         end
-        if (part && together != 16'd0) together <= together - 16'd1;
+        if (pair || (part && together != 16'd0)) together <= next_together;
         if (meet) begin
             meets  <= meets_now;
             hidden <= hidden_now;

@@ -37,10 +37,9 @@ module motion_step #(
     input  wire              merged,
 
     // what decides
-    input  wire [N-1:0]      visible,
-    input  wire [N-1:0]      candidate,
+    input  wire [1:0]        at_state,     // of `at`, two clocks late: free, candidate, visible, left
     input  wire [N-1:0]      left,         // lost, but it may return
-    input  wire [N-1:0]      settled,
+    input  wire [N-1:0]      settled,      // four corrections are behind it; only of slots that are not free this counts
     input  wire [5:0]        corrections,
     input  wire              meets,        // the slot meets another
     input  wire              silent,
@@ -102,9 +101,11 @@ module motion_step #(
 );
 
     localparam [1:0] LAST     = 2'd0;
-    localparam [1:0] UNTIL    = 2'd1;
-    localparam [1:0] SEEDED   = 2'd2;
-    localparam [1:0] REPORTED = 2'd3;
+    localparam [1:0] SEEDED   = 2'd1;
+    localparam [1:0] REPORTED = 2'd2;
+
+    localparam [1:0] VISIBLE = 2'd2;   // states of slots
+    localparam [1:0] LEFT    = 2'd3;
 
     localparam [4:0] REST    = 5'd0;   // waits for a start
     localparam [4:0] AGE     = 5'd3;   // has its life ended?
@@ -149,10 +150,7 @@ module motion_step #(
     reg              too_long_x;     // too_long, a clock later
     reg [2:0]        places;         // box and window are asked for, when what follows from the lengths is there
     reg              reads;          // the slot whose step it is, is being read
-    wire [N-1:0]     lives      = visible | candidate;
-    reg              at_left;        // the slot that is worked on has one that may return
-    reg  [N-1:0]     others;         // that it may be compared with
-    reg  [N-1:0]     ahead;          // of these, those near that were not compared
+    reg  [N-1:0]     ahead;          // those near with which it may be compared, and was not
     wire             any_ahead;
     wire [SLOT_W-1:0] next_ahead;
     reg              compared;       // it was, with all of them or with its partner
@@ -195,18 +193,14 @@ module motion_step #(
         if (shortened) c_reflect <= 1'b1;
         too_long_x <= too_long;
         departs    <= may_return && !alone;
-        is_visible <= visible[this_slot];
-        other_visible <= visible[this_other];
-        at_left <= left[at];
         young      <= corrections < 6'd4;
-        others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
 
         pause <= {1'b0, pause[6:1]};
         if (goes_on) case (state)
             REST: begin
                 alone    <= end_life;
                 at       <= work_slot;
-                since    <= UNTIL;
+                since    <= LAST;
                 stays    <= 1'b0;
                 compared <= 1'b0;
                 widest   <= 1'b0;
@@ -219,8 +213,8 @@ module motion_step #(
                 end
             end
             AGE: begin
-                over  <= ended;
-                since <= LAST;
+                over       <= ended;
+                is_visible <= at_state == VISIBLE;
                 state <= FETCHED;
             end
             FETCHED:
@@ -234,7 +228,7 @@ module motion_step #(
                 pause     <= clocks(!over && !alone ? 3'd2 : 3'd4);  // how long it has been silent; the record
                 state     <= !over && !alone ? MOVE : is_visible ? SAY : LAPSE;
                 c_leave   <= 1'b1;  // of use if it leaves
-                if (!over && !alone && at_left) begin
+                if (!over && !alone && at_state == LEFT) begin
                     pause  <= 7'd0;
                     stays  <= 1'b1;
                     widest <= 1'b1;
@@ -283,7 +277,6 @@ module motion_step #(
                     if (widest) begin
                         lapse      <= !stays;
                         leave      <= 1'b1;
-                        since      <= UNTIL;
                         keep_until <= !stays;
                         state      <= DONE;
                     end
@@ -313,6 +306,7 @@ module motion_step #(
             FOUND:
             if (pair_done) begin
                 c_pair <= alike;
+                other_visible <= at_state == VISIBLE;
                 since  <= SEEDED;
                 pause  <= alike ? clocks(3'd3) : 7'd0;
                 state  <= alike ? YOUNGER : SCAN;
@@ -360,7 +354,7 @@ module motion_step #(
                 state    <= MET;
             end
             MET: begin
-                ahead <= young ? {N{1'b0}} : others & nearby;
+                ahead <= young ? {N{1'b0}} : settled & nearby & ~left;
                 if (meet_done) begin
                     compared <= 1'b1;
                     state    <= compared ? DECIDE : SCAN;

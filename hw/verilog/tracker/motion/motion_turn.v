@@ -108,8 +108,9 @@ module motion_turn #(
     reg  [SLOT_W-1:0] step_slot, end_slot;
     reg               last_slot;  // the next step is the last one of a period
     reg  [TIME_W+SLOT_W-1:0] step_at;  // its tick, in parts of 2^-SLOT_W: from one slot's step to the next one's are 2^step_log2
-    reg               wrote, wrote_seeded;  // `mode` was written, in the clock before
-    reg  [SLOT_W-1:0] wrote_slot;
+    reg               wrote, wrote_seeded;  // `mode` was written, in the clock before,
+    reg  [N-1:0]      writes;               // of this slot
+    reg  [N-1:0]      end_here;             // a one for end_slot
     wire              any_restart;
     wire [SLOT_W-1:0] lowest_restart;
     reg  [TIME_W+SLOT_W-1:0] step_end;  // the last part before the next step but one, or with `restep` before the next
@@ -145,19 +146,17 @@ module motion_turn #(
         .lowest(lowest_restart)
     );
 
+    wire [N-1:0] one = {{(N - 1) {1'b0}}, 1'b1};
+
     always @(posedge clk) begin
         wrote        <= cfg_valid && cfg_addr == `EVCOT_MREG_MODE && !cfg_rst;
-        wrote_slot   <= cfg_slot;
+        writes       <= cfg_valid && cfg_addr == `EVCOT_MREG_MODE && !cfg_rst ? one << cfg_slot : {N{1'b0}};
         wrote_seeded <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
     end
 
-    wire [N-1:0] one    = {{(N - 1) {1'b0}}, 1'b1};
-    wire [N-1:0] writes = wrote ? one << wrote_slot : {N{1'b0}};
-    wire [N-1:0] ends   = ends_life ? one << end_slot : {N{1'b0}};
-
     always @(posedge clk) begin
-        seeded  <= wrote_seeded ? seeded | writes : seeded & ~writes;
-        restart <= (restart & ~ends) | writes;
+        seeded  <= (seeded & ~writes) | (writes & {N{wrote_seeded}});
+        restart <= (restart & ~(end_here & {N{ends_life}})) | writes;
         if (cfg_rst) {seeded, restart} <= {(2 * N) {1'b0}};
     end
 
@@ -210,6 +209,7 @@ module motion_turn #(
         restarts <= any_restart;
         must_end <= restarts && !ends_life && !forces;
         end_slot <= lowest_restart;
+        end_here <= one << lowest_restart;
         if (ends_life) forces <= 1'b1;
         if (forces && turns && !due_any) forces <= 1'b0;
 

@@ -53,7 +53,8 @@ module motion_velocity #(
 
     reg [13:0]               begun;
     reg signed [OFF_W-1:0]   low_1, high_1;
-    reg signed [D_W-1:0]     both_1, way_2, way_3, way_4, way_5;
+    reg signed [D_W-1:0]     way_2, way_3, way_4, way_5;
+    wire [D_W-1:0]           next_way;
     reg  [1:0]               low_any, high_any;  // it is not 0: by its halves
     reg                      low_less;
     reg signed [P_W-1:0]     product;
@@ -62,21 +63,21 @@ module motion_velocity #(
     reg                      over_9, over_10, sign_9, sign_10;
     reg signed [15:0]        v_11, sum_13;
     reg signed [17:0]        sum;
-    reg                      above, below;  // what sum_13 comes from is beyond a limit
+    reg                      beyond;        // what sum_13 comes from is beyond the limit
+    reg signed [15:0]        limit;         // with its sign
 
     wire                  low_rises  = !low_1[OFF_W-1] && |low_any;
     wire                  high_rises = !high_1[OFF_W-1] && |high_any;
     wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
-    wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
+    wire                  takes_low  = slower && low_less == low_rises;  // twice, as the smaller one
+    wire                  takes_high = slower && low_less != low_rises;
     wire                  sign_8   = product[P_W-1];
     wire [A_W+47:0]       wide_8   = {{(A_W + 40 - P_W) {sign_8}}, product, 8'd0};
     wire signed [3:0]     run      = begun[1] ? run_x : run_y;
     wire [3:0]            size     = run_next[3] ? -run_next : run_next;
     wire [3:0]            raised   = size < 4'd2 ? 4'd0 : size - 4'd2;
-    wire signed [17:0]    most     = {3'd0, speed_max};
-    reg  signed [17:0]    least;
-    wire [18:0]           over     = {most[17], most} - {sum[17], sum};  // the sign of a difference is a comparison
-    wire [18:0]           under    = {sum[17], sum} - {least[17], least};
+    wire [17:0]           spare;                   // from the size of `sum` to speed_max: negative where it is beyond
+    wire [15:0]           next_limit;
     wire [LOW+15:0]       low_7;   // products of both parts of d
     wire [D_W-LOW+14:0]   high_7;
 
@@ -103,64 +104,95 @@ module motion_velocity #(
         .p  (high_7)
     );
 
+    array_sum #(
+        .W    (D_W),
+        .ROUND(0)
+    ) u_way (
+        .a     (takes_high ? {high_1[OFF_W-1], high_1} : {low_1[OFF_W-1], low_1}),
+        .choice(takes_low),
+        .one   ({low_1[OFF_W-1], low_1, 1'b0}),
+        .other ({high_1[OFF_W-1], high_1, 1'b0}),
+        .y     (next_way)
+    );
+
+    motion_sum #(
+        .W(18)
+    ) u_spare (
+        .adds (1'b1),
+        .a    ({3'd0, speed_max}),
+        .minus(!sum[17]),
+        .b    (sum),
+        .y    (spare)
+    );
+
+    motion_sum #(
+        .W(16)
+    ) u_limit (
+        .adds (1'b0),
+        .a    (16'd0),
+        .minus(sum[17]),
+        .b    ({1'b0, speed_max}),
+        .y    (next_limit)
+    );
+
     always @(posedge clk) begin
-        most_down <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
+        begun <= {begun[12:0], start};
+        if (start || |begun) begin  // a simulator need not go through it else
+            most_down <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
 
-        begun      <= {begun[12:0], start};
-        low_1      <= low;
-        high_1     <= high;
-        both_1     <= {low[OFF_W-1], low} + {high[OFF_W-1], high};
-        low_less   <= less[D_W-1];
-        low_any    <= {|low[OFF_W-1:13], |low[12:0]};
-        high_any   <= {|high[OFF_W-1:13], |high[12:0]};
+            low_1      <= low;
+            high_1     <= high;
+            low_less   <= less[D_W-1];
+            low_any    <= {|low[OFF_W-1:13], |low[12:0]};
+            high_any   <= {|high[OFF_W-1:13], |high[12:0]};
 
-        way_2 <= !slower ? both_1 : low_rises != high_rises ? {D_W{1'b0}} : shorter;
+            way_2 <= slower && low_rises != high_rises ? {D_W{1'b0}} : next_way;
 
-        way_3 <= way_2;
-        if (way_2[D_W-1]) run_next <= run == -4'sd7 ? run : run[3] ? run - 4'sd1 : -4'sd1;
-        else if (|way_2) run_next <= run == 4'sd7 ? run : run[3] ? 4'sd1 : run + 4'sd1;
-        else run_next <= 4'sd0;
+            way_3 <= way_2;
+            if (way_2[D_W-1]) run_next <= run == -4'sd7 ? run : run[3] ? run - 4'sd1 : -4'sd1;
+            else if (|way_2) run_next <= run == 4'sd7 ? run : run[3] ? 4'sd1 : run + 4'sd1;
+            else run_next <= 4'sd0;
 
-        way_4 <= way_3;
-        down  <= most_down - {2'd0, raised < room ? raised : room};
+            way_4 <= way_3;
+            down  <= most_down - {2'd0, raised < room ? raised : room};
 
-        way_5   <= way_4;
-        factor  <= {7'd0, inverse} << ~down[2:0];
-        bytes_5 <= down[5:3];
+            way_5   <= way_4;
+            factor  <= {7'd0, inverse} << ~down[2:0];
+            bytes_5 <= down[5:3];
 
-        bytes_6 <= bytes_5;
-        bytes_7 <= bytes_6;
+            bytes_6 <= bytes_5;
+            bytes_7 <= bytes_6;
 
-        product <= {high_7, {LOW{1'b0}}} + {{(P_W - LOW - 16) {1'b0}}, low_7};
-        bytes_8 <= bytes_7;
+            product <= {high_7, {LOW{1'b0}}} + {{(P_W - LOW - 16) {1'b0}}, low_7};
+            bytes_8 <= bytes_7;
 
-        // Beyond 16 bits only the sign of a change counts: no velocity has more.
-        case (bytes_8[2:1])
-            2'd0: part_9 <= wide_8[A_W-1:0];
-            2'd1: part_9 <= wide_8[A_W+15:16];
-            2'd2: part_9 <= wide_8[A_W+31:32];
-            2'd3: part_9 <= wide_8[A_W+47:48];
-        endcase
-        over_9  <= !bytes_8[2] && (wide_8[A_W+47:A_W+16] != {32{sign_8}} || (!bytes_8[1] && wide_8[A_W+15:A_W] != {16{sign_8}}));
-        sign_9  <= sign_8;
-        byte_9  <= bytes_8[0];
-        part_10 <= byte_9 ? part_9[A_W-1:8] : part_9[B_W-1:0];
-        over_10 <= over_9 || (!byte_9 && part_9[A_W-1:B_W] != {(A_W - B_W) {sign_9}});
-        sign_10 <= sign_9;
+            // Beyond 16 bits only the sign of a change counts: no velocity has more.
+            case (bytes_8[2:1])
+                2'd0: part_9 <= wide_8[A_W-1:0];
+                2'd1: part_9 <= wide_8[A_W+15:16];
+                2'd2: part_9 <= wide_8[A_W+31:32];
+                2'd3: part_9 <= wide_8[A_W+47:48];
+            endcase
+            over_9  <= !bytes_8[2] && (wide_8[A_W+47:A_W+16] != {32{sign_8}} || (!bytes_8[1] && wide_8[A_W+15:A_W] != {16{sign_8}}));
+            sign_9  <= sign_8;
+            byte_9  <= bytes_8[0];
+            part_10 <= byte_9 ? part_9[A_W-1:8] : part_9[B_W-1:0];
+            over_10 <= over_9 || (!byte_9 && part_9[A_W-1:B_W] != {(A_W - B_W) {sign_9}});
+            sign_10 <= sign_9;
 
-        change <= over_10 || part_10[16] != sign_10 ? (sign_10 ? 17'sh10000 : 17'sh0ffff) : part_10;
-        v_11   <= v;
-        sum    <= {{2{v_11[15]}}, v_11} + {change[16], change};
+            change <= over_10 || part_10[16] != sign_10 ? (sign_10 ? 17'sh10000 : 17'sh0ffff) : part_10;
+            v_11   <= v;
+            sum    <= {{2{v_11[15]}}, v_11} + {change[16], change};
 
-        least  <= -most;
-        above  <= over[18];
-        below  <= under[18];
-        sum_13 <= sum[15:0];
-        v_next <= above ? most[15:0] : below ? least[15:0] : sum_13;
+            beyond <= spare[17];
+            limit  <= next_limit;
+            sum_13 <= sum[15:0];
+            v_next <= beyond ? limit : sum_13;
+        end
         if (rst) begun <= 14'd0;
     end
 
-    wire unused = &{1'b0, over[17:0], under[17:0], least[17:16], less[D_W-2:0], size[3]};
+    wire unused = &{1'b0, spare[16:0], less[D_W-2:0], size[3]};
 
 endmodule
 

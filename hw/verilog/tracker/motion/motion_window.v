@@ -54,14 +54,14 @@ module motion_window #(
     reg [4:0]             step;                  // one of them is high, from the clock after start: y is in the first stage, x in the second
     reg                   along_x, along_y;      // the direction of the motion
     reg signed [PX_W-1:0] low, high;             // pixels of the sides
+    wire [PX_W-1:0]       next_low, next_high, window_low, window_high;
     reg signed [PX_W-1:0] low_x, high_x, low_y, high_y;
     reg [PX_W-1:0]        base, part;            // what a ring follows from
     reg [3:0]             shift;
     reg [7:0]             ring;
+    reg [7:0]             ring_less;             // its complement
     reg [8:0]             room;                  // for `part`, within the widest ring, less one pixel
 
-    wire signed [SIDE_W-1:0] lo     = step[0] ? lo_y : lo_x;
-    wire signed [SIDE_W-1:0] hi     = step[0] ? hi_y : hi_x;
     wire signed [PX_W:0]     sum    = {low[PX_W-1], low} + {high[PX_W-1], high};
     wire [PX_W:0]            apart  = {high[PX_W-1], high} - {low[PX_W-1], low};
     wire                     crossed = apart[PX_W];
@@ -71,7 +71,9 @@ module motion_window #(
     wire                     short  = on_y ? along_y && !is_long_y : along_x && !is_long_x;  // along the motion, and not long
     wire [7:0]               far    = part[7:0] + ring_px;
     wire signed [PX_W:0]     spare  = {{(PX_W - 8) {room[8]}}, room} - {1'b0, part};  // negative where the ring is as wide as it may be
-    wire signed [PX_W-1:0]   wide   = {{(PX_W - 8) {1'b0}}, ring};
+    wire [7:0]               next_ring = widest || spare[PX_W] ? ring_max : far;
+    wire                     leans_x = {1'b0, speed_y} < {speed_x, 1'b0};  // it does not move along y
+    wire                     leans_y = {1'b0, speed_x} < {speed_y, 1'b0};
 
     assign soon = step[3];
     assign box = {low_x, high_x, low_y, high_y};
@@ -86,34 +88,80 @@ module motion_window #(
         .p  (times)
     );
 
+    // A side's pixel, rounded to nearest: half a pixel is the carry.
+    array_sum #(
+        .W(PX_W)
+    ) u_low (
+        .a     ({PX_W{1'b0}}),
+        .choice(step[0]),
+        .one   (lo_y[SIDE_W-1:11]),
+        .other (lo_x[SIDE_W-1:11]),
+        .y     (next_low)
+    );
+
+    array_sum #(
+        .W(PX_W)
+    ) u_high (
+        .a     ({PX_W{1'b0}}),
+        .choice(step[0]),
+        .one   (hi_y[SIDE_W-1:11]),
+        .other (hi_x[SIDE_W-1:11]),
+        .y     (next_high)
+    );
+
+    // a - b is a + ~b + 1.
+    array_sum #(
+        .W(PX_W)
+    ) u_window_low (
+        .a     ({{(PX_W - 8) {1'b1}}, ring_less}),
+        .choice(step[3]),
+        .one   ({low_x, 1'b1}),
+        .other ({low_y, 1'b1}),
+        .y     (window_low)
+    );
+
+    array_sum #(
+        .W    (PX_W),
+        .ROUND(0)
+    ) u_window_high (
+        .a     ({{(PX_W - 8) {1'b0}}, ring}),
+        .choice(step[3]),
+        .one   ({high_x, 1'b0}),
+        .other ({high_y, 1'b0}),
+        .y     (window_high)
+    );
+
     always @(posedge clk) begin
         second   <= !second;
         second_1 <= second;
         second_2 <= second_1;
         if (second_2) times_y <= times[PX_W+3:0];
         else times_x <= times[PX_W+3:0];
-        is_long_x <= {4'd0, length_x} >= times_y;
-        is_long_y <= {4'd0, length_y} >= times_x;
+        is_long_x <= !({4'd0, length_x} < times_y);
+        is_long_y <= !({4'd0, length_y} < times_x);
 
         // Of two speeds of 0, that of y.
-        along_y <= known && {1'b0, speed_y} >= {speed_x, 1'b0};
-        along_x <= known && {1'b0, speed_x} >= {speed_y, 1'b0} && {1'b0, speed_y} < {speed_x, 1'b0};
+        along_y <= known && !leans_x;
+        along_x <= known && !leans_y && leans_x;
 
         // Of the pixel of a side, rounded to nearest, and of the length, which the inputs have.
         step <= {step[3:0], start};
         done <= step[4];
-        low  <= lo[SIDE_W-1:12] + {{(PX_W - 1) {1'b0}}, lo[11]};
-        high <= hi[SIDE_W-1:12] + {{(PX_W - 1) {1'b0}}, hi[11]};
-        if (step[0]) {low_x, high_x} <= {first, last};
-        if (step[1]) {low_y, high_y} <= {first, last};
+        if (start || |step) begin  // a simulator need not go through it else
+            low  <= next_low;
+            high <= next_high;
+            if (step[0]) {low_x, high_x} <= {first, last};
+            if (step[1]) {low_y, high_y} <= {first, last};
 
-        base  <= on_y != short ? length_y : length_x;
-        shift <= short ? ring_along : along_x || along_y ? ring_across : ring_any;
-        part  <= base >> shift;
-        room  <= {1'b0, ring_max} - {1'b0, ring_px} - 9'd1;
-        ring  <= widest || spare[PX_W] ? ring_max : far;
-        if (step[3]) window[4*PX_W-1:2*PX_W] <= {low_x - wide, high_x + wide};
-        if (step[4]) window[2*PX_W-1:0] <= {low_y - wide, high_y + wide};
+            base  <= on_y != short ? length_y : length_x;
+            shift <= short ? ring_along : along_x || along_y ? ring_across : ring_any;
+            part  <= base >> shift;
+            room  <= {1'b0, ring_max} - {1'b0, ring_px} - 9'd1;
+            ring      <= next_ring;
+            ring_less <= ~next_ring;
+            if (step[3]) window[4*PX_W-1:2*PX_W] <= {window_low, window_high};
+            if (step[4]) window[2*PX_W-1:0] <= {window_low, window_high};
+        end
 
         if (rst) begin
             second   <= 1'b0;
@@ -124,7 +172,7 @@ module motion_window #(
         end
     end
 
-    wire unused = &{1'b0, sum[0], lo[10:0], hi[10:0], apart, times, spare};
+    wire unused = &{1'b0, sum[0], lo_x, hi_x, lo_y, hi_y, apart, times, spare};
 
 endmodule
 

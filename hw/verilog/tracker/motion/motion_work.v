@@ -21,7 +21,7 @@ module motion_work #(
     parameter Y_W    = 9,
     parameter SIDE_W = 25,
     parameter PX_W   = 13,
-    parameter REL_W  = 10,  // bits of a recentred address
+    parameter REL_W  = 10,  // bits of a recentred address, at most PX_W + 1
     parameter SUP_W  = 16,
     parameter ID_W   = 32,
     parameter TIME_W = 48
@@ -99,7 +99,7 @@ module motion_work #(
     // ---- what is done, in order ----------------------------------------------------------------------------------------
 
     wire              begun, lane, q_meets, look_due, merged, fetch, of_job, looks, inverse_goes_on, too_long, window_soon, window_done;
-    wire              silent, ended, older, dividing, enough, overdue, pair_done, alike, weaker, meet_done, held, touches, appears, meets;
+    wire              silent, ended, older, later, dividing, enough, overdue, pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, returned, this_slot;
     wire [N-1:0]      nearby;
@@ -118,8 +118,9 @@ module motion_work #(
     reg keeps_start;       // of the second axis
     reg may_return;
     reg resting;           // the velocity is 0
-    reg [TIME_W-1:0] paused;   // the length of all empty periods that do not count for deadlines
-    reg [TIME_W-1:0] counted;  // job_time, as it counts for deadlines
+    localparam UNTIL_W = 32;    // bits of a deadline: as many as the shortest time has
+    reg [UNTIL_W-1:0] paused;   // the length of all empty periods that do not count for deadlines
+    reg [UNTIL_W-1:0] counted;  // job_time, as it counts for deadlines
     wire instant;          // no more than a tick since the last correction
     wire [1:0] state;
     wire [N-1:0] visible, candidate, left;
@@ -129,10 +130,10 @@ module motion_work #(
         keeps_start <= c_keep_start;
         may_return <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         resting    <= v == 32'd0;
-        if (begun && job_flag && job_kind[1]) paused <= paused + ({{(TIME_W - 1) {1'b0}}, 1'b1} << regs[`MOTION_STEP_LOG2]);
-        counted    <= job_time - paused;
+        if (begun && job_flag && job_kind[1]) paused <= paused + {{(UNTIL_W - 21) {1'b0}}, 21'd1 << regs[`MOTION_STEP_LOG2]};  // of at most 2^20 ticks
+        counted    <= job_time[UNTIL_W-1:0] - paused;
         if (rst) begin
-            paused  <= {TIME_W{1'b0}};
+            paused  <= {UNTIL_W{1'b0}};
             fetches <= 3'd0;
         end
     end
@@ -188,6 +189,7 @@ module motion_work #(
         .silent      (silent),
         .ended       (ended),
         .older       (older),
+        .later       (later),
         .dividing    (dividing),
         .enough      (enough),
         .overdue     (overdue),
@@ -258,24 +260,31 @@ module motion_work #(
 
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
-    // What was read, and what counts, a clock later. A job begins with the sides in effect, as far as its last job moves them.
+    // What was read, and what counts, a clock later. A job begins with the sides in effect, as far as its last job moves them. Axes come
+    // one after the other: x with read_done, y with was_read.
+    localparam [1:0]    VISIBLE = 2'd2;
     reg                 known;  // the velocity of the slot counts
-    reg  [4*SIDE_W-1:0] read_sides, moves;
+    reg  [2*SIDE_W-1:0] read_sides, read_refs, moves;
+    reg                 moves_y;
     reg  [SUP_W-1:0]    other_support;
-    wire [4*SIDE_W-1:0] q_sides, q_moves, o_sides;
+    wire [4*SIDE_W-1:0] o_sides;
+    wire                f_y;
+    wire [2*SIDE_W-1:0] f_sides, f_refs, q_sides, q_refs, q_moves;
     wire [SUP_W-1:0]    q_support;
     wire [3:0]          o_marks;
-    wire [4*SIDE_W-1:0] begun_sides;  // those with which the job begins
+    wire                job_on_y = was_read || (f_y && !read_done);
+    wire [2*SIDE_W-1:0] job_axis = job_on_y ? job_sides[0+:2*SIDE_W] : job_sides[2*SIDE_W+:2*SIDE_W];
+    wire [2*SIDE_W-1:0] begun_sides;  // those with which the job begins
     integer             k;
 
     genvar i;
     generate
-        for (i = 0; i < 4; i = i + 1) begin : g_side
+        for (i = 0; i < 2; i = i + 1) begin : g_side
             array_sum #(
                 .W    (SIDE_W),
                 .ROUND(0)
             ) u_begun (
-                .a     (job_sides[i*SIDE_W+:SIDE_W]),
+                .a     (job_axis[i*SIDE_W+:SIDE_W]),
                 .choice(job_waits),
                 .one   ({q_moves[i*SIDE_W+:SIDE_W], 1'b0}),
                 .other ({(SIDE_W + 1) {1'b0}}),
@@ -285,20 +294,18 @@ module motion_work #(
     endgenerate
 
     always @(posedge clk) begin
-        was_read <= read_done;
-        known    <= visible[at] || corrections >= 6'd4;
-        for (k = 0; k < 4; k = k + 1) begin
-            if (read_done)
-                read_sides[k*SIDE_W+:SIDE_W] <= of_job ? begun_sides[k*SIDE_W+:SIDE_W] : q_sides[k*SIDE_W+:SIDE_W];
-            moves[k*SIDE_W+:SIDE_W] <= o_sides[k*SIDE_W+:SIDE_W] - job_sides[k*SIDE_W+:SIDE_W];
-        end
+        was_read   <= read_done;
+        known      <= state == VISIBLE || corrections >= 6'd4;
+        read_sides <= of_job ? begun_sides : q_sides;
+        read_refs  <= q_refs;
+        moves_y    <= f_y;
+        for (k = 0; k < 2; k = k + 1) moves[k*SIDE_W+:SIDE_W] <= f_sides[k*SIDE_W+:SIDE_W] - job_axis[k*SIDE_W+:SIDE_W];
         if (was_read) other_support <= q_support;
         if (rst) was_read <= 1'b0;
     end
 
     wire                turn, crossed_x, crossed_y;
     wire [31:0]         q_v;
-    wire [4*SIDE_W-1:0] refs, q_refs;
     wire [SIDE_W:0]     q_start;
     wire [23:0]         usual, q_usual, ticks;
     wire                beyond;
@@ -309,17 +316,18 @@ module motion_work #(
     wire [7:0]          runs;
     wire                meets_now;
     wire [4*PX_W-1:0]   other_box, other_window;
-    reg  [PX_W+REL_W-1:0] middle_x, middle_y;  // of the box, half pixels: the lower part counts
+    reg  [PX_W:0]       middle_x, middle_y;  // of the box, half pixels
     wire                asks;
     wire [SLOT_W-1:0]   asked;
     wire [PX_W-1:0]     cut_px;
     wire                is_long_x, is_long_y;
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
+    wire [SIDE_W-1:0]   shorter;   // of both sides
 
-    function [PX_W+REL_W-1:0] wide;
+    function [PX_W:0] wide;
         input [PX_W-1:0] bound;
-        wide = {{REL_W{bound[PX_W-1]}}, bound};
+        wide = {bound[PX_W-1], bound};
     endfunction
 
     always @(posedge clk) begin
@@ -355,7 +363,7 @@ module motion_work #(
         .x          (job_x),
         .y          (job_y),
         .r_sides    (read_sides),
-        .m_refs     (q_refs),
+        .r_refs     (read_refs),
         .m_v        (q_v),
         .v_next     (v_next),
         .marks      (o_marks),
@@ -370,8 +378,10 @@ module motion_work #(
         .ref_hi     (ref_hi),
         .v          (v_lane),
         .sum        (sum_lane),
+        .f_y        (f_y),
+        .f_sides    (f_sides),
+        .f_refs     (f_refs),
         .o_sides    (o_sides),
-        .o_refs     (refs),
         .o_v        (v),
         .speed_x    (speed_x),
         .speed_y    (speed_y),
@@ -399,6 +409,7 @@ module motion_work #(
         .sum_y (sum_y),
         .side_x(side_x),
         .side_y(side_y),
+        .shorter(shorter),
         .v_x   (v_x),
         .v_y   (v_y)
     );
@@ -432,11 +443,15 @@ module motion_work #(
         .resume         (c_resume),
         .ask_start      (c_ask_start),
         .on_y           (lane),
+        .read_y         (fetches[2]),
         .keep_start     (c_keep_start || keeps_start),
         .finish         (finish),
         .job_owned      (job_owned),
         .job_marks      (job_kind[1] ? 4'd0 : job_marks),
-        .sides          (o_sides),
+        .sides_y        (f_y),
+        .sides          (f_sides),
+        .refs           (f_refs),
+        .moves_y        (moves_y),
         .moves          (moves),
         .state          (state),
         .length_x       (length_x),
@@ -444,7 +459,6 @@ module motion_work #(
         .meets_now      (meets_now),
         .hidden_now     (hidden_now),
         .v              (v),
-        .refs           (refs),
         .usual          (usual),
         .box            (box),
         .window         (window),
@@ -473,11 +487,11 @@ module motion_work #(
         .together       (together),
         .log2           (bin_log2),
         .q_sides        (q_sides),
+        .q_refs         (q_refs),
         .q_moves        (q_moves),
         .q_support      (q_support),
         .q_meets        (q_meets),
         .q_v            (q_v),
-        .q_refs         (q_refs),
         .q_usual        (q_usual),
         .q_id           (id),
         .q_start        (q_start),
@@ -492,8 +506,9 @@ module motion_work #(
     );
 
     motion_times #(
-        .SLOT_W(SLOT_W),
-        .TIME_W(TIME_W)
+        .SLOT_W (SLOT_W),
+        .TIME_W (TIME_W),
+        .UNTIL_W(UNTIL_W)
     ) u_times (
         .clk         (clk),
         .rst         (rst),
@@ -522,6 +537,7 @@ module motion_work #(
         .coast_ticks (regs[`MOTION_COAST_TICKS]),
         .return_ticks(regs[`MOTION_RETURN_TICKS]),
         .hold        (c_hold),
+        .later       (later),
         .take        (c_take),
         .divide      (c_divide),
         .down        ({1'b0, regs[`MOTION_STEP_LOG2]} + (c_by_life ? {2'b00, regs[`MOTION_JOIN_LIFE]} : 6'd0)),
@@ -666,6 +682,7 @@ module motion_work #(
         .left     (left),
         .box      (box),
         .window   (window),
+        .middle   ({middle_y, middle_x}),
         .join_reach(regs[`MOTION_JOIN_REACH]),
         .join_px  (regs[`MOTION_JOIN_PX]),
         .asks     (asks),
@@ -694,6 +711,7 @@ module motion_work #(
         .start        (q_start),
         .side_x       (side_x),
         .side_y       (side_y),
+        .shorter      (shorter[SIDE_W-1:12]),
         .young        (crossed_x || crossed_y || corrections < 6'd4),
         .support      (support),
         .age          (age),
@@ -704,7 +722,7 @@ module motion_work #(
         .appears      (appears)
     );
 
-    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden, middle_x, middle_y};
+    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden, shorter};
 
 endmodule
 

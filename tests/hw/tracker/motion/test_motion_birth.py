@@ -26,6 +26,7 @@ def test_random_candidates() -> None:
         io.birth_support, io.birth_px = int(rng.integers(1, 2_000)), int(rng.integers(256)) >> 5
         io.birth_ticks, io.birth_travel = int(rng.integers(1 << 23)), int(rng.integers(9))
         io.side_x, io.side_y = sides
+        io.shorter = min(sides) >> 12
         io.support, io.age, io.young = support, age, young
         wrong = {
             "support": support < int(io.birth_support),

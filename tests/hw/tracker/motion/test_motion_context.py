@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from support.testing import lint
 
 SIDE_W, PX_W, REL_W, SUP_W, ID_W = 20, 9, 6, 8, 7
 EFFECT = ("state", "moves", "marks", "hidden", "middle", "n_ev")
+AXES = ("sides", "refs", "moves")  # x in the upper half
 
 
 def groups(slot_w: int) -> dict[str, dict[str, int]]:
@@ -27,6 +30,17 @@ def groups(slot_w: int) -> dict[str, dict[str, int]]:
         "keep_start": {"start": SIDE_W + 1},
         "finish": {"state": 2, "moves": 4 * SIDE_W, "marks": 4, "meets": 5, "n_ev": 10, "middle": 2 * REL_W},
     }
+
+
+def axis_of(word: int, of_y: int) -> int:
+    return (word if of_y else word >> 2 * SIDE_W) % (1 << 2 * SIDE_W)
+
+
+def show(io: Any, values: dict[str, int], of_y: int) -> None:
+    """One axis of what is written."""
+    io.sides_y = io.moves_y = of_y
+    for name in AXES:
+        setattr(io, name, axis_of(values[name], of_y))
 
 
 @pytest.mark.parametrize("slot_w", [1, 3])
@@ -46,7 +60,10 @@ def test_random_slots(slot_w: int) -> None:
         io.on_y = on_y = int(round_ >= 2 * slots) if begins else int(rng.integers(2))
         values = {name: int.from_bytes(rng.bytes(16)) % (1 << bits) for name, bits in bits_of.items()}
         for name, value in values.items():
-            setattr(io, name, value)
+            if name not in AXES:
+                setattr(io, name, value)
+        first_y = int(rng.integers(2))
+        show(io, values, first_y)
         values["hidden"] = values["meets"] >> 1
         for keep, fields in of.items():
             does = begins or rng.random() < 0.4
@@ -62,24 +79,27 @@ def test_random_slots(slot_w: int) -> None:
         sim.clock.tick()
         for keep in of:
             setattr(io, keep, 0)
+        show(io, values, 1 - first_y)
+        sim.clock.tick()
         if round_ < 3 * slots - 1:
             continue
         # An answer of three other slots comes in each clock, two later.
-        asked: list[tuple[int, int, int, int, int]] = []
+        asked: list[tuple[int, int, int, int, int, int]] = []
         for _clock in range(4):
             io.at, io["from"], io.e_slot = (int(number) for number in rng.integers(slots, size=3))
-            io.on_y, io.ask_start = (int(number) for number in rng.integers(2, size=2))
-            asked.append((int(io.at), int(io["from"]), int(io.e_slot), int(io.on_y), int(io.ask_start)))
+            io.on_y, io.ask_start, io.read_y = (int(number) for number in rng.integers(2, size=3))
+            asked.append((int(io.at), int(io["from"]), int(io.e_slot), int(io.on_y), int(io.ask_start), int(io.read_y)))
             sim.clock.tick()
             if len(asked) > 1:
-                here, window_of, effect_of, axis, of_start = asked[-2]
+                here, window_of, effect_of, axis, of_start, read_y = asked[-2]
                 if of_start:
                     assert int(io.q_start) == starts[here, axis]
                 else:
                     assert int(io.q_id) == has["keep_id", here, "id"]
                 starts_read += of_start
                 for name, keep in read.items():
-                    assert int(getattr(io, f"q_{name}")) == has[keep, here, name], name
+                    word = has[keep, here, name]
+                    assert int(getattr(io, f"q_{name}")) == (axis_of(word, read_y) if name in AXES else word), name
                 for name in ("box", "window"):
                     assert int(getattr(io, f"p_{name}")) == has["keep_window", window_of, name]
                 for name in EFFECT:

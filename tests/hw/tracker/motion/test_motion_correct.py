@@ -14,7 +14,7 @@ from support.motion_control import Control, Said
 from support.testing import lint
 
 SLOT_W = 3
-LAST, UNTIL, SEEDED, REPORTED = range(4)
+LAST, SEEDED, REPORTED = range(3)
 JOBS = 1  # seed of jobs among which each axis is cut at either side
 LOOK = 47  # clocks of a look at an axis: motion_gaps.v
 TO_SIDES = ("c_seed", "c_shrink", "c_cut_high", "c_cut_low", "c_order", "c_offset", "c_reflect", "c_settle")
@@ -164,7 +164,7 @@ def test_random_jobs(stalls: bool) -> None:
         cleared = [number for name, _, *more in control.said for number in more if name == "clear"]
         assert cleared == (list(range(16)) if "c_bins" in work_of(job) else [])  # all of them, before the job is done
         control.clock()
-        assert (int(io.since), int(io.keep_until), int(io.rests), control.at[0]) == (UNTIL, 1, 1, job.slot)
+        assert (int(io.keep_until), int(io.rests), control.at[0]) == (1, 1, job.slot)
         said = words(control.said, axes)
         assert [word for word in said if not word.startswith("clear")] == work_of(job)
         assert not cleared or said.index("c_bins") < said.index("clear 0")  # of the new width

@@ -179,7 +179,7 @@ def test_random_jobs(seed: int) -> None:
         allowed = allowed and (kind != SEED or slot not in inside.ends_with.values())
         allowed = (allowed or not real) and (not taken or (fast and kind < STEP and slot != taken_slot))
         if allowed and held <= UNDER_WAY and rng.random() < often:
-            seq, time = seq + int(rng.integers(400)), time + int(rng.integers(400))  # lower bits wrap often
+            seq, time = seq + int(rng.integers(400)), time + int(rng.integers(400))
             job = {"real": int(real), "kind": kind, "slot": slot, "seq": seq % (1 << SEQ_W), "time": time % (1 << TIME_W)}
             job |= {name: int(rng.integers(1 << bits)) for name, bits in FIELDS.items()}
             io.j_valid, job_at = 1, clock

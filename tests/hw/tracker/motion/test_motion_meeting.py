@@ -98,6 +98,8 @@ def test_random_meetings() -> None:
         for state in STATES:
             setattr(io, state, sum(1 << i for i in range(N) if states[i] == state))
         io.box, io.window = bounds(one, "box"), bounds(one, "window")
+        doubled = [sum(axis.box) % (2 << PX_W) for axis in one.axes]
+        io.middle = doubled[1] << PX_W + 1 | doubled[0]
         clocks = meeting.ask(slots, begins=True)
         asked = [slot for state in STATES for slot in others[state]]
         assert clocks == 10 + len(asked)

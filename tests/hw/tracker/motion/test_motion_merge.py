@@ -12,18 +12,17 @@ from support.motion_control import Control, Said
 from support.testing import lint
 
 N, SLOT_W, ID_W = 5, 3, 8
-UNTIL, REPORTED = 1, 3
 TO_SIDES = ("c_settle", "c_reflect", "c_cover")
-COMMANDS = ("keep", "c_take", *TO_SIDES, "lapse", "keep_until", "c_window", "keep_window", "keep_now")
+COMMANDS = ("keep", "c_hold", *TO_SIDES, "lapse", "keep_until", "c_window", "keep_window", "keep_now")
 
 
-def merge_of(stays: int, goes: int, visible: list[bool], older: bool) -> list[Said]:
+def merge_of(stays: int, goes: int, visible: list[bool], later: bool) -> list[Said]:
     """What is done, in order. The slot that stays has been read, and is not in memory as it is."""
-    said: list[Said] = [("keep", stays), ("fetch", goes), ("load", goes), ("c_take", goes)]
+    said: list[Said] = [("keep", stays), ("fetch", goes), ("load", goes), ("c_hold", goes)]
     said += [("say", goes, Kind.MERGED)] * visible[goes]
     said += [("c_settle", goes), ("lapse", goes), ("fetch", stays), ("unite", stays)]
     said += [("c_reflect", stays), ("c_cover", stays), ("c_settle", stays)]
-    said += [("keep_until", stays)] * (not older)
+    said += [("keep_until", stays)] * later
     said += [("c_window", stays), ("keep_window", stays), ("keep", stays)]
     said += [("keep_now", stays), ("say", stays, Kind.MOVED)] * visible[stays]
     return said
@@ -31,7 +30,7 @@ def merge_of(stays: int, goes: int, visible: list[bool], older: bool) -> list[Sa
 
 @pytest.mark.parametrize("stalls", [False, True])
 def test_random_merges(stalls: bool) -> None:
-    sim = load("motion_merge", {"N": N, "SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS)
+    sim = load("motion_merge", {"SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS)
     io, rng = sim.io, np.random.default_rng(1)
     control = Control(sim, rng, COMMANDS, TO_SIDES)
     control.reset()
@@ -40,37 +39,32 @@ def test_random_merges(stalls: bool) -> None:
     for case in range(48):  # each case six times
         stays, goes = (int(slot) for slot in rng.permutation(N)[:2])
         visible = [bool(rng.integers(2)) for _ in range(N)]
-        visible[stays], visible[goes], older = bool(case & 1), bool(case & 2), bool(case & 4)
+        visible[stays], visible[goes], later = bool(case & 1), bool(case & 2), bool(case & 4)
         ids = [int(number) for number in rng.integers(1 << ID_W, size=N)]
         io.stays = stays
         for _clock in range(int(rng.integers(1, 4))):
             assert int(io.rests)
             control.clock()
         io.goes, io.start = goes, 1
-        io.visible = sum(1 << i for i in range(N) if visible[i])
         control.said.clear()
         begun = control.clocks
         while True:
-            # The id is there two clocks behind its slot, the comparison of two deadlines five.
+            # The id is there two clocks behind its slot, the comparison of two deadlines four.
             io.id = ids[control.at[2]] if control.steady(3) else int(rng.integers(1 << ID_W))
-            io.older = int(older if control.at[0] == stays and control.steady(5) else rng.integers(2))
+            io.at_state = 1 + visible[min(control.at[1], N - 1)]
+            io.later = int(later if control.at[0] == stays and control.steady(4) else rng.integers(2))
             control.clock()
             io.start = 0
             if int(io.say):
-                assert int(io.since) == (REPORTED if int(io.kind) == Kind.MOVED else UNTIL)
                 assert int(io.kind) != Kind.MERGED or int(io.stays_id) == ids[stays]
-            if int(io.c_take) or int(io.keep_until):
-                assert int(io.since) == UNTIL
-            if int(io.keep_now):
-                assert int(io.since) == REPORTED
             if int(io.done):
                 break
             assert not int(io.rests)
-        assert control.said == merge_of(stays, goes, visible, older)
+        assert control.said == merge_of(stays, goes, visible, later)
         clocks.add(control.clocks - begun)
     assert stalls or (min(clocks), max(clocks)) == (52, 55)
 
 
 def test_lint() -> None:
     assert lint("motion_merge") == (0, "")
-    assert lint("motion_merge", N=1, SLOT_W=1) == (0, "")
+    assert lint("motion_merge", SLOT_W=1) == (0, "")

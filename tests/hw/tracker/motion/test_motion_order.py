@@ -13,7 +13,6 @@ from support.motion_control import WINDOW, Control, Said
 from support.testing import lint
 
 N, SLOT_W, ID_W = 3, 2, 4
-UNTIL = 1
 TO_SIDES = ("seed", "shrink", "offset", "reflect", "settle", "cover_both", "move", "shorten")
 COMMANDS = (
     "load", "begin_job", "unite", *TO_SIDES, "speed", "correct", "count", "begin_bins", "place", "compare", "pair", "part",
@@ -37,8 +36,6 @@ class Order(Control):
     def command(self, name: str, slot: int) -> Said:
         if name == "place":
             self.window_at = self.clocks + WINDOW
-        if name == "keep_until":  # in a clock in which a job is done already
-            assert int(self.io.since) == UNTIL
         return name, slot
 
     def clock(self) -> None:
@@ -105,8 +102,9 @@ def test_the_lives_of_two_slots(stalls: bool, returns: bool) -> None:
     assert (int(io.visible), int(io.candidate)) == (0, 5)
 
     # Both become visible in a step.
-    io.appears, io.nearby = 1, 7
+    io.appears = 1
     for slot in (0, 2):
+        io.nearby = 5 & ~(1 << slot)
         said = order.job(STEP, slot, 4)
         assert names(said) == [
             "fetch", "load", "begin_job", "reflect", "move", "shorten", "reflect", "place", "ask", "keep_window",
@@ -123,10 +121,10 @@ def test_the_lives_of_two_slots(stalls: bool, returns: bool) -> None:
     assert ("say", 2, Kind.MOVED) in order.said
 
     # The lower one takes the other one in, with a record of each; then its life ends, or may return.
-    io.alike, io.enough, io.weaker = 1, 1, 0
+    io.alike, io.enough, io.weaker, io.later, io.nearby = 1, 1, 0, 1, 4
     said = order.job(STEP, 0, 4)
     assert names(said)[11:] == [
-        "fetch", "compare", "pair", "take", "keep", "fetch", "load", "take", "hold", "say", "settle", "ends", "fetch", "unite",
+        "fetch", "compare", "pair", "take", "keep", "fetch", "load", "hold", "say", "settle", "ends", "fetch", "unite",
         "reflect", "cover_both", "settle", "keep_until", "place", "keep_window", "keep", "keep_now", "say", "ask", "take",
         "meet", "keep", "finish",
     ]  # fmt: skip

@@ -81,6 +81,11 @@ def packed(values: list[int], bits: int = SIDE_W) -> int:
     return word
 
 
+def show(io: Any, axis: Axis) -> None:
+    """What is loaded of an axis."""
+    io.r_sides, io.r_refs = packed([axis.lo, axis.hi]), packed([axis.ref_lo, axis.ref_hi])
+
+
 def test_random_commands() -> None:
     sim, rng = load("motion_sides", {"X_W": X_W, "Y_W": Y_W, "SIDE_W": SIDE_W}), np.random.default_rng(1)
     io = sim.io
@@ -103,8 +108,7 @@ def test_random_commands() -> None:
             axes.append(Axis(lo, hi, *ref, int(rng.integers(-32_767, 32_768))))
         for _ in range(int(rng.integers(2))):  # it may come at any time
             sim.clock.tick()
-        io.r_sides = packed([side for axis in axes for side in (axis.lo, axis.hi)])
-        io.m_refs = packed([ref for axis in axes for ref in (axis.ref_lo, axis.ref_hi)])
+        show(io, axes[0])
         io.m_v = packed([axis.v for axis in reversed(axes)], 16)
         io.load, io.load_refs = 1, int(not before_load or rng.random() < 0.5)
         if not int(io.load_refs):
@@ -113,7 +117,9 @@ def test_random_commands() -> None:
         sim.clock.tick()
         io.load = io.load_refs = 0
         assert int(io.lane) == 1
+        show(io, axes[1])
         sim.clock.tick()
+        io.r_sides = io.r_refs = 0
         name = ""
         for _command in range(12):
             for _clock in range(7):
@@ -138,7 +144,11 @@ def test_random_commands() -> None:
             for _clock in range(8):
                 sim.clock.tick()
             assert int(io.o_sides) == packed([side for axis in axes for side in (axis.lo, axis.hi)]), name
-            assert int(io.o_refs) == packed([ref for axis in axes for ref in (axis.ref_lo, axis.ref_hi)]), name
+            for _clock in range(2):
+                axis = axes[int(io.f_y)]
+                assert int(io.f_sides) == packed([axis.lo, axis.hi]), name
+                assert int(io.f_refs) == packed([axis.ref_lo, axis.ref_hi]), name
+                sim.clock.tick()
             assert int(io.o_v) == packed([axis.v for axis in reversed(axes)], 16), name
             for axis, (suffix, _, _) in zip(axes, AXES, strict=True):
                 assert int(getattr(io, f"side_{suffix}")) == axis.side

@@ -14,6 +14,7 @@ from support.testing import lint
 SLOT_W, SIDE_W, PX_W, REL_W, SUP_W, ID_W = 2, 20, 9, 6, 8, 3
 SLOTS, MOST = 1 << SLOT_W, (1 << SUP_W) - 1
 KEPT = {"sides": 4 * SIDE_W, "v": 32, "refs": 4 * SIDE_W, "usual": 24}
+AXES = ("sides", "refs", "moves")  # x in the upper half
 WINDOW = {"box": 4 * PX_W, "window": 4 * PX_W}
 START = {"start": SIDE_W + 1}
 MOVES = {"moves": 4 * SIDE_W, "state": 2, "middle": 2 * REL_W}
@@ -80,6 +81,17 @@ def command(name: str, slot: State, memory: State, io: Any, at: int) -> State:
     return slot
 
 
+def axis_of(word: int, of_y: int) -> int:
+    return (word if of_y else word >> 2 * SIDE_W) % (1 << 2 * SIDE_W)
+
+
+def show(io: Any, values: dict[str, int], of_y: int) -> None:
+    """One axis of what is written."""
+    io.sides_y = io.moves_y = of_y
+    for name in AXES:
+        io[name] = axis_of(values[name], of_y)
+
+
 def test_random_commands() -> None:
     sim = load(
         "motion_slot",
@@ -119,7 +131,9 @@ def test_random_commands() -> None:
         }  # fmt: skip
         values |= {word: int.from_bytes(rng.bytes(16)) % (1 << bits) for word, bits in (KEPT | WINDOW | START | MOVES).items()}
         for port, value in values.items():
-            io[port] = value
+            if port not in AXES:
+                io[port] = value
+        show(io, values, of_y=0)
         for _clock in range(2):
             sim.clock.tick()
         repeat = int(rng.integers(1, 40)) if name in ("count", "pair", "part") else 1
@@ -151,6 +165,7 @@ def test_random_commands() -> None:
             sim.clock.tick()
             for port in together:
                 io[port] = 0
+            show(io, values, of_y=1)
             if round_ >= len(first):
                 for port in OUTPUTS:
                     assert int(getattr(io, port)) == getattr(slot, port), (name, port)
@@ -159,6 +174,8 @@ def test_random_commands() -> None:
                 sim.clock.tick()
                 slot.runs = slot.runs & 0x0F | int(io.run_next) << 4
                 assert int(io.runs) == slot.runs
+            if name in ("keep", "finish"):  # then of y
+                sim.clock.tick()
         if round_ < len(first):
             continue
         seen[name] += 1
@@ -174,7 +191,12 @@ def test_random_commands() -> None:
         full += slot.support == MOST
         most += slot.corrections == 63
         assert (int(io.q_meets), int(io.q_support)) == (memory[at].meets, memory[at].support)
-        assert all(int(io[f"q_{word}"]) == words[at, word] for word in (*KEPT, "moves"))
+        assert all(int(io[f"q_{word}"]) == words[at, word] for word in KEPT if word not in AXES)
+        for of_y in range(2):
+            io.read_y = of_y
+            sim.clock.tick()
+            sim.clock.tick()
+            assert all(int(io[f"q_{word}"]) == axis_of(words[at, word], of_y) for word in AXES)
         assert int(io.q_start if int(io.ask_start) else io.q_id) == words[at, "start" if int(io.ask_start) else "id"]
         assert all(int(io[f"p_{word}"]) == words[values["from"], word] for word in WINDOW)
         after, e_slot = effects[values["e_slot"]], values["e_slot"]

@@ -15,6 +15,7 @@ from support.motion_control import Control, Said
 from support.testing import lint
 
 N, SLOT_W = 5, 3
+STATES = ("free", "candidate", "visible", "left")
 TO_SIDES = ("c_reflect", "c_move", "c_rub", "c_shorten")
 COMMANDS = (
     *TO_SIDES, "c_window", "c_follow", "keep_window", "c_compare", "c_pair", "c_part", "merge", "c_ask", "c_meet", "appear",
@@ -179,8 +180,7 @@ class Around(Control):
 
 
 def show(io: Any, states: list[str]) -> None:
-    for name in ("visible", "candidate", "left"):
-        setattr(io, name, sum(1 << i for i in range(N) if states[i] == name))
+    io.left = sum(1 << i for i in range(N) if states[i] == "left")
 
 
 def run(control: Around, step: Step, rng: np.random.Generator, takes: tuple[tuple[str, str, int, int], ...] = TAKE) -> None:
@@ -201,6 +201,7 @@ def run(control: Around, step: Step, rng: np.random.Generator, takes: tuple[tupl
         show(io, states)
         io.settled = sum(1 << i for i in range(N) if step.corrections[i] >= 4)
         io.corrections = step.corrections[this]
+        io.at_state = STATES.index(states[min(control.at[1], N - 1)])
         io.ended = int(step.ended[at]) if control.steady(3) else noise[0]
         io.too_long = int(bool(rng.random() < 0.2) and control.stalls)
         io.meets, io.silent = int(step.meets[this]), int(step.silent[this])
@@ -214,7 +215,7 @@ def run(control: Around, step: Step, rng: np.random.Generator, takes: tuple[tupl
         io.touches, io.touched = int(bool(candidates)), candidates[0] if candidates else noise[2]
         gone = [slot for slot in step.returned[this] if states[slot] == "left"]
         io.returns, io.returned = int(bool(gone)), gone[0] if gone else noise[4]
-        io.nearby = sum(1 << i for i in range(N) if step.near[this, i])
+        io.nearby = sum(1 << i for i in range(N) if step.near[this, i] and i != this and states[i] != "free")
         io.pair_done, io.meet_done = int(wait.get("pair") == 1), int(wait.get("meet") == 1)
         io.merged, io.dividing = int(wait.get("merge") == 1), int(wait.get("divide", 0) > 0)
         if int(io.merged):

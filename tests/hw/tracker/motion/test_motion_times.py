@@ -13,7 +13,8 @@ from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 SLOT_W, TIME_W = 2, 40
-LAST, UNTIL, SEEDED, REPORTED = range(4)
+LAP = 1 << 32  # of deadlines
+LAST, SEEDED, REPORTED = range(3)
 
 
 @pytest.fixture(name="part")
@@ -36,6 +37,16 @@ def _part() -> Any:
     return SimpleNamespace(io=io, pulse=pulse)
 
 
+def ends_at(part: Any, deadline: int) -> bool:
+    """Whether the slot's time is over at this tick, and was not one before."""
+    found = []
+    for counted in (deadline - 1, deadline):
+        part.io.counted = counted % LAP
+        part.pulse(clocks=3)
+        found.append(int(part.io.ended))
+    return found == [0, 1]
+
+
 def usual_of(usual: int, ticks: int, first: bool) -> int:
     return ticks if first else usual + (ticks - usual >> 2) if ticks > 1 else usual
 
@@ -52,56 +63,62 @@ def test_corrections_and_the_deadline(part: Any) -> None:
             age = coast >> int(io.life_log2) + 1
         io.at, io.since, io.now = int(rng.integers(4)), LAST, then
         pulse("keep_now")
-        io.now = io.counted = then + age
+        io.now, io.counted = then + age, (then + age) % LAP
         io.loaded = min(age, (1 << 24) - 1) if rng.random() < 0.5 else int(rng.integers(1 << 24)) >> int(rng.integers(24))
         pulse("load", clocks=6)
         ticks = max(1, min(age, (1 << 24) - 1))
-        assert (int(io.age), int(io.ticks), int(io.ended), int(io.beyond)) == (age, ticks, 1, int(age >= 1 << 24))
+        assert (int(io.age), int(io.ticks), int(io.beyond)) == (age, ticks, int(age >= 1 << 24))
         assert int(io.silent) == (age > 2 * int(io.loaded))
         io.first = int(rng.integers(2))
         usual = usual_of(int(io.loaded), ticks, bool(io.first))
         assert int(io.instant) == (ticks == 1)
         pulse("correct", clocks=8 + int(io.life_log2))
         assert int(io.usual) == usual
-        io.since = UNTIL
-        pulse("keep_until", clocks=4)
+        pulse("keep_until")
         granted = min(max(usual << int(io.life_log2), life), coast)
-        assert int(io.age) == -granted % (1 << TIME_W)
-        assert int(io.ended) == 0
+        assert ends_at(part, then + age + granted)
         limits["life" if granted == life else "coast" if granted == coast else "between"] += 1
     assert min(limits.values()) > 30
 
 
 def test_a_deadline_is_in_time_that_counts(part: Any) -> None:
     io, pulse = part.io, part.pulse
-    io.at, io.since, io.now, io.counted, io.detect_ticks = 3, UNTIL, 1_000, 900, 70
+    io.at, io.now, io.counted, io.detect_ticks = 3, 1_000, 900, 70
     pulse("seed", clocks=2)
-    pulse("keep_until", clocks=4)
-    assert int(io.ended) == 0
+    pulse("keep_until")
+    assert ends_at(part, 970)
     io.now = 1_100
-    pulse(clocks=5)
-    assert int(io.ended) == 0
-    io.counted = 970
-    pulse(clocks=5)
+    assert ends_at(part, 970)
+
+
+def test_a_deadline_of_the_next_lap(part: Any) -> None:
+    io, pulse = part.io, part.pulse
+    io.at, io.counted, io.detect_ticks = 1, LAP - 5, 70
+    pulse("seed", clocks=2)
+    pulse("keep_until")
+    assert ends_at(part, LAP + 65)
+    io.counted = 65 + (1 << 30)
+    pulse(clocks=3)
     assert int(io.ended) == 1
 
 
 def test_a_candidate_has_the_time_to_be_detected(part: Any) -> None:
     io, pulse = part.io, part.pulse
-    io.at, io.since, io.now, io.counted, io.detect_ticks = 3, UNTIL, 1_000, 1_000, 70
+    io.at, io.counted, io.detect_ticks = 3, 1_000, 70
     pulse("seed", clocks=2)
-    pulse("keep_until", clocks=4)
-    assert int(io.age) == -70 % (1 << TIME_W)
+    pulse("keep_until")
+    assert ends_at(part, 1_070)
 
 
 def test_what_leaves_has_the_time_to_return(part: Any) -> None:
     io, pulse = part.io, part.pulse
-    io.at, io.since, io.now, io.counted, io.detect_ticks, io.return_ticks = 2, UNTIL, 1_000, 1_000, 70, 900
+    io.at, io.counted, io.detect_ticks, io.return_ticks = 2, 1_000, 70, 900
     pulse("load", clocks=2)
     usual = int(io.usual)
     pulse("leave", clocks=2)
-    pulse("keep_until", clocks=4)
-    assert (int(io.usual), int(io.age)) == (usual, -900 % (1 << TIME_W))
+    pulse("keep_until")
+    assert ends_at(part, 1_900)
+    assert int(io.usual) == usual
 
 
 def test_ages_are_compared_and_counted_in_steps(part: Any) -> None:
@@ -137,14 +154,20 @@ def test_ages_are_compared_and_counted_in_steps(part: Any) -> None:
 
 def test_of_two_deadlines_one_is_held(part: Any) -> None:
     io, pulse = part.io, part.pulse
-    io.at, io.since, io.now = 1, UNTIL, 500
-    pulse("keep_now", clocks=3)
-    pulse("hold")
-    io.at = 2
-    pulse("keep_until")
-    io.now = 600
-    pulse(clocks=5)
-    assert int(io.age) == 100
+    for first, second in ((500, 600), (600, 500), (500, 500)):
+        for slot, deadline in ((1, first), (2, second)):
+            io.at, io.counted, io.detect_ticks = slot, 400, deadline - 400
+            pulse("seed", clocks=2)
+            pulse("keep_until", clocks=2)
+        io.at = 1
+        pulse(clocks=2)
+        pulse("hold")
+        io.at = 2
+        pulse(clocks=3)
+        assert int(io.later) == (first >= second)
+        assert ends_at(part, second)
+        pulse("keep_until")
+        assert ends_at(part, first)
 
 
 def test_lint() -> None:
