@@ -13,7 +13,7 @@
 
 module stamp_units #(
     parameter TICK_W  = 20,  // bits of the tick input
-    parameter UNITS_W = 9,   // bits of a token's units, 15 at most
+    parameter UNITS_W = 9,   // bits of a token's units
     parameter DATA_W  = 1    // bits that travel with a token
 ) (
     input  wire              clk,
@@ -34,10 +34,9 @@ module stamp_units #(
     output wire              idle  // nothing inside
 );
 
-    parameter_check #(.OK(UNITS_W >= 1 && UNITS_W <= 15)) UNITS_W_must_be_1_to_15 ();
-
     localparam PLACE_W = 15;                                     // bits of a place in a unit, of 2^15 ticks at most
     localparam SUM_W   = (TICK_W > PLACE_W ? TICK_W : PLACE_W) + 1;
+    localparam WIDE_W  = (SUM_W > UNITS_W) ? SUM_W : UNITS_W + 1;
 
     reg  [PLACE_W-1:0] ticks;  // so far, modulo 2^15
     reg                sum_valid, units_valid;
@@ -49,13 +48,15 @@ module stamp_units #(
     wire [PLACE_W-1:0] in_unit = ticks & ~({PLACE_W{1'b1}} << shift);
     wire               moves  = m_ready || !units_valid;
 
+    wire [WIDE_W:0]    wide_sum = {{(WIDE_W + 1 - SUM_W) {1'b0}}, sum};
+    wire               unused   = &{1'b0, wide_sum[WIDE_W]};
     wire [UNITS_W-1:0] sum_units;
 
     shift_saturate #(
-        .IN_W (SUM_W),
+        .IN_W (WIDE_W),
         .OUT_W(UNITS_W)
     ) u_shift (
-        .value(sum),
+        .value(wide_sum[WIDE_W-1:0]),
         .shift(shift),
         .y    (sum_units)
     );
