@@ -20,8 +20,8 @@ from support.testing import lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
 
-# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 2,048 words of 9 bits, 1,024 of 18, or 512 of
-# 36. The lower half of the last ones leaves through A. With OUTREG a second register stands behind each half.
+# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 2,048 words of 9 bits, 1,024 of 18, or 512
+# of 36. The lower half of the last ones leaves through A. With OUTREG a second register stands behind each half.
 CELL = """
     parameter DATA_WIDTH_A = 0, DATA_WIDTH_B = 0, REGMODE_A = "", REGMODE_B = "", RESETMODE = "", ASYNC_RESET_RELEASE = "",
         CSDECODE_A = "", CSDECODE_B = "", WRITEMODE_A = "", WRITEMODE_B = "", CLKAMUX = "", CLKBMUX = "", GSR = "";
