@@ -79,9 +79,9 @@ module cell_memory #(
     localparam ROW_W   = (ROWS > 1) ? $clog2(ROWS) : 1;
     localparam SQUARE_X_W = (COLS > 1) ? $clog2(COLS) : 1;
     localparam SQUARE_Y_W = (LINES > 1) ? $clog2(LINES) : 1;
-    localparam COLUMN_W = SQUARE_X_W + 2;  // of a cell
-    localparam LINE_W   = SQUARE_Y_W + 2;
-    localparam PASS_W  = LINE_W + COLUMN_W + PLACE_W + 1 + DATA_W;  // line, column, place, on the sensor, data
+    localparam COLUMN_W   = SQUARE_X_W + 2;  // of a cell
+    localparam LINE_W     = SQUARE_Y_W + 2;
+    localparam PASS_W  = 1 + DATA_W;  // on the sensor, data
 
     localparam [31:0] ACROSS = WIDTH;
     localparam [31:0] DOWN   = HEIGHT;
@@ -109,12 +109,15 @@ module cell_memory #(
         end
     endgenerate
 
-    reg               made_valid, made_access;
-    reg  [STEP_W-1:0] made_step;
-    reg  [PASS_W-1:0] made;
-    reg  [ROW_W-1:0]  made_product;
-    reg  [ROW_W-1:0]  made_square;  // across
-    wire              made_ready;
+    reg                 made_valid, made_access;
+    reg  [STEP_W-1:0]   made_step;
+    reg  [PASS_W-1:0]   made;
+    reg  [ROW_W-1:0]    made_product;
+    reg  [COLUMN_W-1:0] made_column;
+    reg  [LINE_W-1:0]   made_line;
+    reg  [PLACE_W-1:0]  made_place;
+    wire                made_ready;
+    wire [COLUMN_W+ROW_W-1:0] wide_column = {{ROW_W{1'b0}}, made_column};
 
     assign s_ready = made_ready || !made_valid;
 
@@ -123,9 +126,11 @@ module cell_memory #(
             made_valid   <= s_valid;
             made_access  <= s_access && on_sensor;
             made_step    <= s_step;
-            made         <= {line[LINE_W-1:0], column[COLUMN_W-1:0], place, on_sensor, s_data};
+            made         <= {on_sensor, s_data};
             made_product <= product[ROW_W-1:0];
-            made_square  <= column[2 +: ROW_W];
+            made_column  <= column[COLUMN_W-1:0];
+            made_line    <= line[LINE_W-1:0];
+            made_place   <= place;
         end
         if (rst) made_valid <= 1'b0;
     end
@@ -153,7 +158,7 @@ module cell_memory #(
         .s_ready (made_ready),
         .s_step  (made_step),
         .s_access(made_access),
-        .s_row   (made_product + made_square),
+        .s_row   (made_product + wide_column[2 +: ROW_W]),
         .s_data  (made),
         .access  (access),
         .visits  (visits),
@@ -165,17 +170,26 @@ module cell_memory #(
         .idle    (slots_idle)
     );
 
-    wire [7*COLUMN_W-1:0] columns;
-    wire [7*LINE_W-1:0]   lines;
-    wire [7*PLACE_W-1:0]  places;
+    // The cell of the token in each stage.
+    reg  [7*COLUMN_W-1:0] columns;
+    reg  [7*LINE_W-1:0]   lines;
+    reg  [7*PLACE_W-1:0]  places;
+    reg  [COLUMN_W-1:0]   entering_column;  // in front of `ask`
+    reg  [LINE_W-1:0]     entering_line;
+    reg  [PLACE_W-1:0]    entering_place;
 
-    genvar s;
-    generate
-        for (s = 0; s < 7; s = s + 1) begin : g_stage
-            assign {lines[s*LINE_W +: LINE_W], columns[s*COLUMN_W +: COLUMN_W], places[s*PLACE_W +: PLACE_W]}
-                 = pass[s*PASS_W + DATA_W + 1 +: LINE_W + COLUMN_W + PLACE_W];
+    always @(posedge clk) begin
+        if (made_ready) begin
+            entering_column <= made_column;
+            entering_line   <= made_line;
+            entering_place  <= made_place;
         end
-    endgenerate
+        if (advance) begin
+            columns <= {columns[6*COLUMN_W-1:0], entering_column};
+            lines   <= {lines[6*LINE_W-1:0], entering_line};
+            places  <= {places[6*PLACE_W-1:0], entering_place};
+        end
+    end
 
     // ---- the square that a visit in `ask` is at ---------------------------------------------------------------------
 
@@ -341,19 +355,11 @@ module cell_memory #(
     wire [15:0] young_age = recent | newer_age;
     wire [15:0] writes    = visits[6] ? ~young_age | {16{clearing}} : stores;
 
-    function at_most;  // one bit after another: as an adder, synthesis would make it of half as many look-up tables again
-        input [STAMP_W-1:0] age, most;
-        integer i;
-        begin
-            at_most = 1'b1;
-            for (i = 0; i < STAMP_W; i = i + 1) at_most = (!age[i] && most[i]) || (at_most && (!age[i] || most[i]));
-        end
-    endfunction
-
     // How long ago the slot in `age` was, for each stage; for the one in `found` where it was in `read`.
     wire [7*STAMP_W-1:0] since;
     reg  [STAMP_W-1:0]   since_found;
 
+    genvar s;
     generate
         for (s = 0; s < 7; s = s + 1) begin : g_since
             assign since[s*STAMP_W +: STAMP_W] = now[s*STAMP_W +: STAMP_W] - age_now;
@@ -390,6 +396,8 @@ module cell_memory #(
             wire [WORD_W-1:0] held;
             reg  [WORD_W-1:0] word;  // in `taken`
             reg  [STAMP_W-1:0] age;  // in `then`
+            wire [STAMP_W:0]  remains = {1'b0, limit} - {1'b0, age};  // as a difference synthesis makes less of it than as a comparison
+            wire              unused = &{1'b0, remains};
 
             block_memory #(
                 .W    (WORD_W),
@@ -411,7 +419,7 @@ module cell_memory #(
                 if (advance) begin
                     word      <= held;
                     age       <= now[4*STAMP_W +: STAMP_W] - word[STAMP_W-1:0];
-                    recent[b] <= at_most(age, limit);
+                    recent[b] <= !remains[STAMP_W];
                 end
 
             if (AGES != 0) begin : g_age
@@ -435,7 +443,7 @@ module cell_memory #(
 
     assign m_supports = young_age & (age_around | (age_own & {16{elsewhere}}));
 
-    wire   unused   = &{1'b0, since, since_found, access[0], visits[5:1], pass, places, column, line, product, stored, own, row, now, columns, lines};
+    wire   unused   = &{1'b0, since, since_found, access[0], visits[5:1], pass, places, wide_column, column, line, product, stored, own, row, now, columns, lines};
     assign m_data   = pass[6*PASS_W +: DATA_W];
     assign m_inside = pass[6*PASS_W + DATA_W];
     assign m_stays  = stays;
