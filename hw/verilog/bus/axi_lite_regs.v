@@ -246,6 +246,7 @@ module axi_lite_regs #(
     wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : is_tracks ? LIVES : BOXES;
     reg  [BANKS-1:0] pending; // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
+    wire [BANKS-1:0] chosen;  // the bank of an access, or the one that is copied
     reg  bank_pending;        // free-running: `pending` of the bank of an access
     reg  off_sensor;          // a pixel to mask lies outside the sensor
     wire locked = ((shadowed || commits) && bank_pending) || (marks && !off_sensor && !cleared);
@@ -278,7 +279,7 @@ module axi_lite_regs #(
 
     always @(posedge clk) begin
         over    <= merged > high;
-        bank_pending <= pending[bank];
+        bank_pending <= |(pending & chosen);
         under   <= merged[31:LOW_W] == {(32 - LOW_W) {1'b0}} && merged[LOW_W-1:0] < low;
         fixed   <= MOTION != 0 && in_slot && !at_commit && merged == {30'd0, `EVCOT_MODE_FIXED};
 
@@ -325,6 +326,7 @@ module axi_lite_regs #(
     wire [BANK_W-1:0] to_bank   = fills ? written[REG_W +: BANK_W] : stamps ? copied : bank;
     wire [REG_W-1:0]  to_word   = fills ? written[REG_W-1:0] : stamps ? `EVCOT_BANK_COMMIT : place;
     wire [BANK_W-1:0] from_bank = (state == COPY) ? copied : bank;
+    assign chosen = {{(BANKS - 1) {1'b0}}, 1'b1} << from_bank;
     wire [REG_W-1:0]  from_word = (state == COPY) ? step : (state == RULES) ? compared[REG_W-1:0] : place;
     wire [SHADOW_W-1:0] write_to, shadow_from;
 
@@ -403,7 +405,7 @@ module axi_lite_regs #(
     initial for (at = 0; at < 8 << REG_W; at = at + 1) entries[at] = entry(at[REG_W+2], at[REG_W +: 2], at[REG_W-1:0]);
 
     wire [BANK_W-1:0] entry_bank = fills ? fill[REG_W +: BANK_W] : from_bank;
-    wire [BANK_W-1:0] behind     = entry_bank - FILTERS;  // filters 0, motion 1 and 2
+    wire [BANK_W:0]   behind     = {1'b0, entry_bank} - {1'b0, FILTERS};  // filters 0, motion 1 and 2
     wire [1:0]        entry_kind = (entry_bank < FILTERS) ? SLOT_KIND : {MOTION != 0 && behind[1], MOTION != 0 && behind[0]};
 
     always @(posedge clk) begin
@@ -430,6 +432,8 @@ module axi_lite_regs #(
     wire [`EVCOT_MREG_W-1:0] copied_to = {copies_lives, later_word};
     reg  ends;   // mode has come out, the last word of a bank
     wire copied_all = state == COPY && ends;
+    wire sets_pending = acts && commits && !locked && !contradicts;
+    wire sets_mode    = stores && in_slot && place == `EVCOT_REG_MODE;
     reg  was_busy, committed;  // of banks that are copied one after the other, the last one
 
     always @(posedge clk) committed <= was_busy && !busy && !core_rst;
@@ -446,6 +450,8 @@ module axi_lite_regs #(
     always @(posedge clk) begin
         cfg_valid        <= 1'b0;
         filter_cfg_valid <= 1'b0;
+        pending          <= (pending | (chosen & {BANKS{sets_pending}})) & ~(chosen & {BANKS{copied_all}});
+        mode_new         <= (mode_new | (chosen[N-1:0] & {N{sets_mode}})) & ~(chosen[N-1:0] & {N{copied_all}});
 
         case (state)
             FILL: begin
@@ -491,8 +497,6 @@ module axi_lite_regs #(
             WEIGH: state <= CHECK;
             CHECK: begin
                 error <= faulty && slverr;
-                if (acts && commits && !locked && !contradicts) pending[bank] <= 1'b1;
-                if (stores && in_slot && place == `EVCOT_REG_MODE) mode_new[word[REG_W+:SLOT_W]] <= 1'b1;
                 if (acts && marks && !locked && !off_sensor) begin
                     filter_cfg_valid <= 1'b1;
                     cfg_addr         <= {1'b0, `EVCOT_FREG_MASK};
@@ -513,12 +517,10 @@ module axi_lite_regs #(
                 if (later) begin
                     cfg_valid        <= copies_motion ? exists
                                       : copies_slot && (MOTION == 0 || later_word == `EVCOT_REG_MODE) && exists
-                                        && (later_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
+                                        && (later_word != `EVCOT_REG_MODE || |(mode_new & chosen[N-1:0]));
                     filter_cfg_valid <= copies_filters && exists && later_word != `EVCOT_FREG_MASK;
                 end
                 if (copied_all) begin
-                    pending[copied] <= 1'b0;
-                    if (copies_slot) mode_new[copied[SLOT_W-1:0]] <= 1'b0;
                     commit_seq <= seq;
                     turns      <= 1'b1;
                     state      <= IDLE;
