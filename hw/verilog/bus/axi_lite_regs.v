@@ -228,11 +228,12 @@ module axi_lite_regs #(
     wire of_slot = (MOTION != 0) ? (place == `EVCOT_REG_MODE || place == `EVCOT_BANK_COMMIT) : slot_has(place);
 
     // From the clock after the access begins.
-    reg in_slot, in_filter, in_motion, at_commit, at_mask;
+    reg in_slot, in_filter, in_motion, in_tracks, at_commit, at_mask;
 
     always @(posedge clk) begin
         in_slot   <= word[WORD_W-1:REG_W+FIND_W] == SLOT_BASE[WORD_W+1:REG_W+FIND_W+2] && in_slots < SLOTS && of_slot;
         in_motion <= MOTION != 0 && is_motion && motion_has(motion_place);
+        in_tracks <= is_tracks;
         in_filter <= word[WORD_W-1:REG_W] == FILTER_BASE[WORD_W+1:REG_W+2] && HAS != 0 && filter_has(place);
         at_commit <= place == `EVCOT_BANK_COMMIT;
         at_mask   <= place == `EVCOT_FREG_MASK;
@@ -243,7 +244,7 @@ module axi_lite_regs #(
     wire marks    = in_filter && at_mask;
     wire shadowed = in_bank && !commits && !marks;
 
-    wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : is_tracks ? LIVES : BOXES;
+    wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : in_tracks ? LIVES : BOXES;
     reg  [BANKS-1:0] pending; // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
     wire [BANKS-1:0] chosen;  // the bank of an access, or the one that is copied
