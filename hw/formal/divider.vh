@@ -40,8 +40,8 @@ within = 12
 [[faults]]
 task = "small"
 meaning = "equal does not fit"
-right = "partial >= {1'b0, den_reg}"
-wrong = "partial > {1'b0, den_reg}"
+right = "fits = !difference[DEN_W+1]"
+wrong = "fits = !difference[DEN_W+1] && |difference"
 breaks = ["rem", "zero"]
 within = 12
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // hw/verilog/stream/block_memory.v in block RAMs of an ECP5, read through their output registers: 512 words of 36 bits each, 1,024 of
-// 18, 2,048 of 9 or 16,384 of 1.
+// 18, 2,048 of 9 or 16,384 of 1. More words of 9 bits or fewer are parts, of which one is selected behind the output registers.
 //
-// As Yosys instantiates them but for the register; words of 36 bits leave through both ports. Below 65 words, and where one such RAM is
-// not deep enough, it is the plain description.
+// As Yosys instantiates them but for the register; words of 36 bits leave through both ports. Below 65 words, and where no such RAM is
+// deep enough, it is the plain description.
 `default_nettype none
 
 module block_memory #(
@@ -184,6 +184,38 @@ module block_memory #(
                 .DIB9(1'b0), .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0),
                 .DIB16(1'b0), .DIB17(1'b0), .DOB0(read_data[0])
             );
+        end else if (W > 1 && W <= 9 && DEPTH > 2048) begin : g_parts  // of 2,048 words: selected behind the output registers
+            localparam PARTS  = (DEPTH + 2047) / 2048;
+            localparam PART_W = ADDR_W - 11;
+
+            wire [PARTS*W-1:0] outs;
+            reg  [PART_W-1:0]  ram_part, out_part;
+
+            always @(posedge clk) begin
+                if (read_enable) ram_part <= read_address[ADDR_W-1:11];
+                if (out_enable) out_part <= ram_part;
+            end
+
+            assign read_data = outs[out_part*W +: W];
+
+            for (i = 0; i < PARTS; i = i + 1) begin : g_part
+                localparam WORDS   = (i == PARTS - 1) ? DEPTH - 2048 * i : 2048;
+                localparam WORDS_W = (WORDS > 1) ? $clog2(WORDS) : 1;
+
+                block_memory #(
+                    .W    (W),
+                    .DEPTH(WORDS)
+                ) u_part (
+                    .clk          (clk),
+                    .write        (write && write_address[ADDR_W-1:11] == i),
+                    .write_address(write_address[WORDS_W-1:0]),
+                    .write_data   (write_data),
+                    .read_enable  (read_enable),
+                    .read_address (read_address[WORDS_W-1:0]),
+                    .out_enable   (out_enable),
+                    .read_data    (outs[i*W +: W])
+                );
+            end
         end else begin : g_plain
             (* no_rw_check *) reg [W-1:0] memory [0:DEPTH-1];
             reg [W-1:0] ram_reg, out_reg;

@@ -12,7 +12,7 @@
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write, 17 of a commit of motion, which compares
 //             registers. A bank that is being copied adds EVCOT_BANK_LAST + 4 at most: 36, 38 and 46. An access that arrives together
 //             with one of the other kind also waits for that one, and for a second bank: 73 clocks at most, 81 with motion
-//             (hw/formal/axi_lite_regs.vh). After reset, accesses wait while the shadow is filled, 32 clocks for each bank. A write of
+//             (hw/formal/axi_lite_regs.vh). After reset, accesses wait while the shadow is filled, 32 clocks for each bank and 2. A write of
 //             `mask` is refused until the filters are cleared after a reset, since it would be lost.
 // Reset:      every register at its reset value; the shadow has the default configuration, with all slots off. core_rst clears the
 //             interrupt events, and marks every mode as written.
@@ -228,11 +228,12 @@ module axi_lite_regs #(
     wire of_slot = (MOTION != 0) ? (place == `EVCOT_REG_MODE || place == `EVCOT_BANK_COMMIT) : slot_has(place);
 
     // From the clock after the access begins.
-    reg in_slot, in_filter, in_motion, at_commit, at_mask;
+    reg in_slot, in_filter, in_motion, in_tracks, at_commit, at_mask;
 
     always @(posedge clk) begin
         in_slot   <= word[WORD_W-1:REG_W+FIND_W] == SLOT_BASE[WORD_W+1:REG_W+FIND_W+2] && in_slots < SLOTS && of_slot;
         in_motion <= MOTION != 0 && is_motion && motion_has(motion_place);
+        in_tracks <= is_tracks;
         in_filter <= word[WORD_W-1:REG_W] == FILTER_BASE[WORD_W+1:REG_W+2] && HAS != 0 && filter_has(place);
         at_commit <= place == `EVCOT_BANK_COMMIT;
         at_mask   <= place == `EVCOT_FREG_MASK;
@@ -243,9 +244,10 @@ module axi_lite_regs #(
     wire marks    = in_filter && at_mask;
     wire shadowed = in_bank && !commits && !marks;
 
-    wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : is_tracks ? LIVES : BOXES;
+    wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : in_tracks ? LIVES : BOXES;
     reg  [BANKS-1:0] pending; // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
+    wire [BANKS-1:0] chosen;  // the bank of an access, or the one that is copied
     reg  bank_pending;        // free-running: `pending` of the bank of an access
     reg  off_sensor;          // a pixel to mask lies outside the sensor
     wire locked = ((shadowed || commits) && bank_pending) || (marks && !off_sensor && !cleared);
@@ -265,20 +267,21 @@ module axi_lite_regs #(
     wire writable = words_writable || in_bank;
     wire acts     = state == CHECK && strb != 4'd0;
 
+    // Of the register that is read in the shadow, from the ROM; in FILL `high` is its first value.
+    wire        exists, refuses;
+    wire [LOW_W-1:0] low;
+    wire [31:0] high;
+
     // Free-running: each has had its clock by the time it is asked for.
-    reg  [31:0] low, high;
-    reg         refuses, over, under;
+    reg         over, under;
     reg         fixed;        // the start mode that motion does not have
     reg         contradicts;  // a commit: registers of its bank
-    wire [31:0] legal = over ? high : under ? low : merged;
+    wire [31:0] legal = over ? high : under ? {{(32 - LOW_W) {1'b0}}, low} : merged;
 
     always @(posedge clk) begin
-        low     <= in_filter ? filter_low(place) : in_motion ? motion_low(motion_place) : slot_low(place);
-        high    <= in_filter ? filter_high(place) : in_motion ? motion_high(motion_place) : slot_high(place);
-        refuses <= in_filter ? filter_refuses(place) : in_motion ? motion_refuses(motion_place) : slot_refuses(place);
         over    <= merged > high;
-        bank_pending <= pending[bank];
-        under   <= merged[31:LOW_W] == {(32 - LOW_W) {1'b0}} && merged[LOW_W-1:0] < low[LOW_W-1:0];
+        bank_pending <= |(pending & chosen);
+        under   <= merged[31:LOW_W] == {(32 - LOW_W) {1'b0}} && merged[LOW_W-1:0] < low;
         fixed   <= MOTION != 0 && in_slot && !at_commit && merged == {30'd0, `EVCOT_MODE_FIXED};
 
         off_sensor <= marks && (merged[15:0] > LAST_X[15:0] || {1'b0, merged[30:16]} > LAST_Y[15:0]);
@@ -297,7 +300,9 @@ module axi_lite_regs #(
 
     // Data read in the clock in which the same word is written is not used. The word of a bank's commit holds the number of
     // the first event after it.
-    reg [BANK_W+REG_W-1:0] fill;     // the word that is written in FILL
+    reg [BANK_W+REG_W-1:0] fill;     // the word whose first value is read in FILL
+    reg [BANK_W+REG_W-1:0] filled, written;  // the one before it, and the one before that, which is written
+    reg                    filling, writing;  // there is one
     reg [BANK_W-1:0] copied;         // the bank in COPY
     reg [REG_W-1:0]  step;           // the word that is read in COPY: 1 to the last register, then 0
     reg              late, later;    // the word before it has been read, and the one before that has come out
@@ -308,13 +313,6 @@ module axi_lite_regs #(
     wire fills  = state == FILL;
     wire last   = step == `EVCOT_BANK_LAST;
     wire stamps = state == COPY && last;
-    wire [BANK_W-1:0] fill_bank = fill[REG_W +: BANK_W];
-    wire [REG_W-1:0]  fill_word = fill[REG_W-1:0];
-    wire fills_lives  = MOTION != 0 && fill_bank == LIVES;
-    wire fills_motion = fills_lives || (MOTION != 0 && fill_bank == BOXES);
-    wire [31:0] first = (fill_bank == FILTERS) ? filter_start(fill_word)
-                      : fills_motion ? motion_start({fills_lives, fill_word})
-                      : slot_low((MOTION != 0) ? `EVCOT_REG_MODE : fill_word);
 
     // A commit of motion reads the registers that it compares: of each pair first the one that must not be more.
     reg  [3:0]               compares;  // the one that is read
@@ -326,9 +324,10 @@ module axi_lite_regs #(
     localparam BEHIND_W = REG_W + 2;  // of a word behind the slots, in three banks
     localparam SHADOW_W = (MOTION != 0) ? BEHIND_W + 1 : BANK_W + REG_W;
 
-    wire [BANK_W-1:0] to_bank   = fills ? fill_bank : stamps ? copied : bank;
-    wire [REG_W-1:0]  to_word   = fills ? fill_word : stamps ? `EVCOT_BANK_COMMIT : place;
+    wire [BANK_W-1:0] to_bank   = fills ? written[REG_W +: BANK_W] : stamps ? copied : bank;
+    wire [REG_W-1:0]  to_word   = fills ? written[REG_W-1:0] : stamps ? `EVCOT_BANK_COMMIT : place;
     wire [BANK_W-1:0] from_bank = (state == COPY) ? copied : bank;
+    assign chosen = {{(BANKS - 1) {1'b0}}, 1'b1} << from_bank;
     wire [REG_W-1:0]  from_word = (state == COPY) ? step : (state == RULES) ? compared[REG_W-1:0] : place;
     wire [SHADOW_W-1:0] write_to, shadow_from;
 
@@ -351,9 +350,9 @@ module axi_lite_regs #(
     reg  [31:0]         shadow_in;
 
     always @(posedge clk) begin
-        shadow_write <= fills || stamps || stores;
+        shadow_write <= (fills && writing) || stamps || stores;
         shadow_to    <= write_to;
-        shadow_in    <= fills ? first : stamps ? seq[31:0] : legal;
+        shadow_in    <= fills ? high : stamps ? seq[31:0] : legal;
     end
 
     block_memory #(
@@ -369,6 +368,53 @@ module axi_lite_regs #(
         .out_enable   (1'b1),
         .read_data    (in_shadow)
     );
+
+    // ---- limits and first values, in a ROM with the timing of the shadow ---------------------------------------------
+
+    localparam [1:0] SLOT_KIND = 2'd3;
+    localparam ENTRY_W = 2 + LOW_W + 32;
+
+    function [ENTRY_W-1:0] entry(input is_first, input [1:0] kind, input [REG_W-1:0] register);
+        reg [`EVCOT_MREG_W-1:0] of_motion;
+        begin
+            of_motion = {kind == 2'd2, register};
+            case (kind)
+                2'd0: begin
+                    entry = {filter_has(register), filter_refuses(register), low_bits(filter_low(register)), filter_high(register)};
+                    if (is_first) entry[31:0] = filter_start(register);
+                end
+                SLOT_KIND: begin
+                    entry = {slot_has(register), slot_refuses(register), low_bits(slot_low(register)), slot_high(register)};
+                    if (is_first) entry[31:0] = slot_low((MOTION != 0) ? `EVCOT_REG_MODE : register);
+                end
+                default: begin
+                    entry = {motion_has(of_motion), motion_refuses(of_motion), low_bits(motion_low(of_motion)), motion_high(of_motion)};
+                    if (is_first) entry[31:0] = motion_start(of_motion);
+                end
+            endcase
+        end
+    endfunction
+
+    function [LOW_W-1:0] low_bits(input [31:0] value);
+        low_bits = value[LOW_W-1:0] | {LOW_W{|(value >> LOW_W)}};
+    endfunction
+
+    reg [ENTRY_W-1:0] entries [0:(8<<REG_W)-1];
+    reg [ENTRY_W-1:0] rom_reg, entry_reg;
+
+    integer at;
+    initial for (at = 0; at < 8 << REG_W; at = at + 1) entries[at] = entry(at[REG_W+2], at[REG_W +: 2], at[REG_W-1:0]);
+
+    wire [BANK_W-1:0] entry_bank = fills ? fill[REG_W +: BANK_W] : from_bank;
+    wire [BANK_W:0]   behind     = {1'b0, entry_bank} - {1'b0, FILTERS};  // filters 0, motion 1 and 2
+    wire [1:0]        entry_kind = (entry_bank < FILTERS) ? SLOT_KIND : {MOTION != 0 && behind[1], MOTION != 0 && behind[0]};
+
+    always @(posedge clk) begin
+        rom_reg   <= entries[{fills, entry_kind, fills ? fill[REG_W-1:0] : from_word}];
+        entry_reg <= rom_reg;
+    end
+
+    assign {exists, refuses, low, high} = entry_reg;
 
     // ---- a bank takes effect -----------------------------------------------------------------------------------------
 
@@ -387,6 +433,8 @@ module axi_lite_regs #(
     wire [`EVCOT_MREG_W-1:0] copied_to = {copies_lives, later_word};
     reg  ends;   // mode has come out, the last word of a bank
     wire copied_all = state == COPY && ends;
+    wire sets_pending = acts && commits && !locked && !contradicts;
+    wire sets_mode    = stores && in_slot && place == `EVCOT_REG_MODE;
     reg  was_busy, committed;  // of banks that are copied one after the other, the last one
 
     always @(posedge clk) committed <= was_busy && !busy && !core_rst;
@@ -403,11 +451,17 @@ module axi_lite_regs #(
     always @(posedge clk) begin
         cfg_valid        <= 1'b0;
         filter_cfg_valid <= 1'b0;
+        pending          <= (pending | (chosen & {BANKS{sets_pending}})) & ~(chosen & {BANKS{copied_all}});
+        mode_new         <= (mode_new | (chosen[N-1:0] & {N{sets_mode}})) & ~(chosen[N-1:0] & {N{copied_all}});
 
         case (state)
             FILL: begin
-                fill <= fill + 1'b1;
-                if (fill == LAST_FILL[BANK_W+REG_W-1:0]) state <= IDLE;
+                fill    <= fill + 1'b1;
+                filled  <= fill;
+                written <= filled;
+                filling <= 1'b1;
+                writing <= filling;
+                if (writing && written == LAST_FILL[BANK_W+REG_W-1:0]) state <= IDLE;
             end
             IDLE: begin
                 copied <= next_bank;
@@ -444,8 +498,6 @@ module axi_lite_regs #(
             WEIGH: state <= CHECK;
             CHECK: begin
                 error <= faulty && slverr;
-                if (acts && commits && !locked && !contradicts) pending[bank] <= 1'b1;
-                if (stores && in_slot && place == `EVCOT_REG_MODE) mode_new[word[REG_W+:SLOT_W]] <= 1'b1;
                 if (acts && marks && !locked && !off_sensor) begin
                     filter_cfg_valid <= 1'b1;
                     cfg_addr         <= {1'b0, `EVCOT_FREG_MASK};
@@ -464,14 +516,12 @@ module axi_lite_regs #(
                 cfg_addr   <= copied_to;
                 cfg_data   <= in_shadow;
                 if (later) begin
-                    cfg_valid        <= copies_motion ? motion_has(copied_to)
-                                      : copies_slot && (MOTION == 0 || later_word == `EVCOT_REG_MODE) && slot_has(later_word)
-                                        && (later_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
-                    filter_cfg_valid <= copies_filters && filter_has(later_word) && later_word != `EVCOT_FREG_MASK;
+                    cfg_valid        <= copies_motion ? exists
+                                      : copies_slot && (MOTION == 0 || later_word == `EVCOT_REG_MODE) && exists
+                                        && (later_word != `EVCOT_REG_MODE || |(mode_new & chosen[N-1:0]));
+                    filter_cfg_valid <= copies_filters && exists && later_word != `EVCOT_FREG_MASK;
                 end
                 if (copied_all) begin
-                    pending[copied] <= 1'b0;
-                    if (copies_slot) mode_new[copied[SLOT_W-1:0]] <= 1'b0;
                     commit_seq <= seq;
                     turns      <= 1'b1;
                     state      <= IDLE;
@@ -496,6 +546,7 @@ module axi_lite_regs #(
         if (rst) begin
             state  <= FILL;
             fill   <= {(BANK_W + REG_W) {1'b0}};
+            {filling, writing} <= 2'b00;
             turns  <= 1'b0;
         end
     end
@@ -647,7 +698,7 @@ module axi_lite_regs #(
         .backward            (backward)
     );
 
-    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, BOXES, LIVES, compared, came, in_slots, low};
+    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, BOXES, LIVES, compared, came, in_slots, behind};
 
 endmodule
 

@@ -8,7 +8,7 @@
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty and clears the memory: ceil(WIDTH / 4 CELL_PX) * ceil(HEIGHT / 4 CELL_PX) + 8 clocks with idle low, in
-//             which four tokens at most are taken.
+//             which three tokens at most are taken.
 // RAM:        16 * ceil(WIDTH / 4 CELL_PX) * ceil(HEIGHT / 4 CELL_PX) * 9 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
@@ -62,25 +62,36 @@ module filter_cells #(
     parameter_check #(.OK(STAMP_W >= `EVCOT_STAMP_W_MIN && STAMP_W <= `EVCOT_STAMP_W_MAX)) STAMP_W_must_be_4_to_32 ();
 
     localparam CELL_W  = (CELL_STAMP_W != 0) ? CELL_STAMP_W : (CELL_PX == 4) ? 5 : (CELL_PX == 2) ? 7 : 9;
-    localparam WIDE_W  = (STAMP_W - 1 > CELL_W) ? STAMP_W - 1 : CELL_W;
-    localparam STEP_W  = (TICK_W > 15 ? TICK_W : 15) + 1;
+    localparam WIDE_W  = (STAMP_W - 1 > CELL_W) ? STAMP_W - 1 : CELL_W + 1;
     localparam TOKEN_W = TICK_W + X_W + Y_W + 9;
     localparam [CELL_W-1:0] KEEP   = {2'b11, {(CELL_W - 2) {1'b0}}};
-    localparam [WIDE_W-1:0] LONGEST = {{(WIDE_W - CELL_W) {1'b0}}, KEEP};
 
     // ---- the two times in units, as far as stamps reach --------------------------------------------------------------
 
-    reg [WIDE_W-1:0] refractory_units, activity_units;
-    reg [CELL_W-1:0] silence, window;
+    // In turn, so that each is known four clocks after a write, before an event that comes then needs it.
+    reg               turn, units_turn;  // 0: refractory, 1: activity
+    reg  [CELL_W-1:0] long_units, silence, window;
+    wire [CELL_W-1:0] shifted_units;
+    wire [CELL_W-1:0] turn_units = (long_units < KEEP) ? long_units : KEEP;
 
-    wire [WIDE_W-1:0] wide_refractory = {{(WIDE_W + 1 - STAMP_W) {1'b0}}, refractory_ticks};
-    wire [WIDE_W-1:0] wide_activity   = {{(WIDE_W + 1 - STAMP_W) {1'b0}}, activity_ticks};
+    wire [WIDE_W-1:0] turn_ticks = {{(WIDE_W + 1 - STAMP_W) {1'b0}}, turn ? activity_ticks : refractory_ticks};
+
+    shift_saturate #(
+        .IN_W (WIDE_W),
+        .OUT_W(CELL_W)
+    ) u_shift (
+        .value(turn_ticks),
+        .shift(stamp_shift),
+        .y    (shifted_units)
+    );
 
     always @(posedge clk) begin
-        refractory_units <= wide_refractory >> stamp_shift;
-        activity_units   <= wide_activity >> stamp_shift;
-        silence <= !enable_refractory ? {CELL_W{1'b0}} : refractory_units < LONGEST ? refractory_units[CELL_W-1:0] : KEEP;
-        window  <= activity_units < LONGEST ? activity_units[CELL_W-1:0] : KEEP - 1'b1;
+        turn       <= !turn;
+        units_turn <= turn;
+        long_units <= shifted_units;
+        if (!units_turn) silence <= enable_refractory ? turn_units : {CELL_W{1'b0}};
+        else window <= (turn_units == KEEP) ? KEEP - 1'b1 : turn_units;
+        if (rst) turn <= 1'b0;
     end
 
     // ---- units and memory --------------------------------------------------------------------------------------------
@@ -88,15 +99,16 @@ module filter_cells #(
     wire space;  // for one more token in the output: everything behind the units moves
 
     wire               units_valid, units_ready, units_idle, memory_idle;
-    wire [STEP_W-1:0]  units;
+    wire [CELL_W-1:0]  units;
     wire [TOKEN_W-1:0] token, old;
     wire               old_valid, old_inside, old_stays;
-    wire [15:0]        reached;
-    wire [16*CELL_W-1:0] age;
+    wire [15:0]        old_supports;
+    wire [16*CELL_W-1:0] no_age;
 
     stamp_units #(
-        .TICK_W(TICK_W),
-        .DATA_W(TOKEN_W)
+        .TICK_W (TICK_W),
+        .UNITS_W(CELL_W),
+        .DATA_W (TOKEN_W)
     ) u_units (
         .clk    (clk),
         .rst    (rst),
@@ -118,7 +130,7 @@ module filter_cells #(
         .WIDTH  (WIDTH),
         .HEIGHT (HEIGHT),
         .CELL_PX(CELL_PX),
-        .STEP_W (STEP_W),
+        .STEP_W (CELL_W),
         .DATA_W (TOKEN_W),
         .STAMP_W(CELL_W)
     ) u_memory (
@@ -126,6 +138,7 @@ module filter_cells #(
         .rst      (rst),
         .advance  (space),
         .silence  (silence),
+        .window   (window),
         .s_valid  (units_valid),
         .s_ready  (units_ready),
         .s_step   (units),
@@ -137,8 +150,8 @@ module filter_cells #(
         .m_data   (old),
         .m_inside (old_inside),
         .m_stays  (old_stays),
-        .m_reached(reached),
-        .m_age    (age),
+        .m_supports(old_supports),
+        .m_age    (no_age),
         .idle     (memory_idle)
     );
 
@@ -147,27 +160,25 @@ module filter_cells #(
     reg               compared_valid, compared_stays, counted_valid, counted_stays;
     reg [TOKEN_W-1:0] compared, counted;
     reg [15:0]        supporters;
-    reg [3:0]         sum, support;  // 9 at most
+    reg [3:0]         support;  // 9 at most
 
-    always @* begin : add_up
-        integer k;
-        k   = 0;  // on every path, or it would be a latch
-        sum = 4'd0;
-        for (k = 0; k < 16; k = k + 1) sum = sum + {3'd0, supporters[k]};
-    end
+    function [1:0] three_of;  // how many of the four banks of a line support: no more than three are around an event
+        input [3:0] line;
+        three_of = {(line[0] && line[1]) || (line[2] && line[3]) || ((line[0] || line[1]) && (line[2] || line[3])), ^line};
+    endfunction
 
-    always @(posedge clk) begin : compare
-        integer k;
+    always @(posedge clk) begin
         if (space) begin
             compared_valid <= old_valid;
             compared_stays <= old_inside && old_stays;
             compared       <= old;
-            for (k = 0; k < 16; k = k + 1) supporters[k] <= reached[k] && age[k*CELL_W +: CELL_W] <= window;
+            supporters     <= old_supports;
 
             counted_valid  <= compared_valid;
             counted_stays  <= compared_stays;
             counted        <= compared;
-            support        <= sum;
+            support        <= {2'd0, three_of(supporters[3:0])} + {2'd0, three_of(supporters[7:4])}
+                            + {2'd0, three_of(supporters[11:8])} + {2'd0, three_of(supporters[15:12])};
         end
         if (rst) begin
             compared_valid <= 1'b0;
@@ -197,6 +208,8 @@ module filter_cells #(
         .m_ready(m_ready),
         .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
     );
+
+    wire unused = &{1'b0, no_age};
 
     assign idle = units_idle && memory_idle && !compared_valid && !counted_valid && !m_valid;
 

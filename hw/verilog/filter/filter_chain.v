@@ -102,7 +102,8 @@ module filter_chain #(
     wire [2:0]         rowcol_support;
     wire [3:0]         stamp_shift;
     wire [4:0]         noise_log2;
-    wire [5*16-1:0]    noise_least;
+    wire [2:0]         noise_asked;
+    wire [15:0]        noise_least;
     wire [8:0]         recent_support;
     wire [24:0]        decay_rate;
     wire [7:0]         decay_epsilon;
@@ -139,6 +140,7 @@ module filter_chain #(
         .rowcol_support  (rowcol_support),
         .stamp_shift     (stamp_shift),
         .noise_log2      (noise_log2),
+        .noise_asked     (noise_asked),
         .noise_least     (noise_least),
         .mask_valid      (mask_valid),
         .mask_x          (mask_x),
@@ -179,6 +181,9 @@ module filter_chain #(
                 assign out_p[k]                     = in_p[k];
                 assign filter_idle[k]               = 1'b1;
             end
+        end
+        if (CELL_PX == 0 || !BUILT[ACTIVITY]) begin : g_no_noise
+            assign noise_asked = 3'd0;
         end
         if (BUILT[REGION]) begin : g_region
             filter_region #(
@@ -331,6 +336,7 @@ module filter_chain #(
                     .follow     (enable[ACTIVITY] && activity_support == 4'd0),
                     .fixed      (activity_support),
                     .noise_log2 (noise_log2),
+                    .noise_asked(noise_asked),
                     .noise_least(noise_least),
                     .s_valid    (in_valid[AT]),
                     .s_ready    (in_ready[AT]),

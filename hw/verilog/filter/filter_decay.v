@@ -144,6 +144,8 @@ module filter_decay #(
                 .idle    (memory_idle)
             );
         end else begin : g_cells
+            localparam [STAMP_W-1:0] LONGEST = {2'b10, {(STAMP_W - 2) {1'b1}}};  // age that is exact; its weight is 0
+
             wire stays;
             wire unused = &{1'b0, stays};
 
@@ -154,12 +156,14 @@ module filter_decay #(
                 .HEIGHT (HEIGHT),
                 .CELL_PX(CELL_PX),
                 .STEP_W (UNITS_W),
-                .DATA_W (TOKEN_W)
+                .DATA_W (TOKEN_W),
+                .AGES   (1)
             ) u_memory (
                 .clk      (clk),
                 .rst      (rst),
                 .advance  (space),
                 .silence  ({STAMP_W{1'b0}}),
+                .window   (LONGEST),
                 .s_valid  (passed_valid),
                 .s_ready  (memory_ready),
                 .s_step   (units),
@@ -171,7 +175,7 @@ module filter_decay #(
                 .m_data   (old),
                 .m_inside (old_inside),
                 .m_stays  (stays),
-                .m_reached(near),
+                .m_supports(near),
                 .m_age    (age),
                 .idle     (memory_idle)
             );

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The software-written registers of a filter chain: one write port, every value on an output.
+// The software-written registers of a filter chain: one write port, every value on an output, but those of the noise's levels, of
+// which one is read at a time.
 //
 // Writes take effect on the next clock. Reset disables all filters, stops the clock of filter_decay, gives that of filter_cells
 // units of a tick, as both run whether enabled or not, and leaves the other registers as they are. Addresses and meanings:
@@ -44,7 +45,8 @@ module filter_regs #(
     output reg  [2:0]         rowcol_support,
     output reg  [3:0]         stamp_shift,
     output reg  [4:0]         noise_log2,
-    output reg  [5*16-1:0]    noise_least,       // noise_2 in the low bits
+    input  wire [2:0]         noise_asked,       // the low bits of the address of noise_2 ... noise_6
+    output wire [15:0]        noise_least,       // its value
     output reg                mask_valid,        // mark one pixel
     output reg  [15:0]        mask_x,
     output reg  [14:0]        mask_y,
@@ -52,6 +54,14 @@ module filter_regs #(
 );
 
     parameter_check #(.OK(STAMP_W >= `EVCOT_STAMP_W_MIN && STAMP_W <= `EVCOT_STAMP_W_MAX)) STAMP_W_must_be_4_to_32 ();
+
+    // One at a time is compared: in a small RAM.
+    reg  [15:0] noise_levels [0:7];
+    wire        is_noise = cfg_addr >= `EVCOT_FREG_NOISE_2 && cfg_addr <= `EVCOT_FREG_NOISE_6;
+
+    assign noise_least = noise_levels[noise_asked];
+
+    always @(posedge clk) if (cfg_valid && is_noise) noise_levels[cfg_addr[2:0]] <= cfg_data[15:0];
 
     always @(posedge clk) begin
         mask_valid <= cfg_valid && cfg_addr == `EVCOT_FREG_MASK;
@@ -77,11 +87,6 @@ module filter_regs #(
                 `EVCOT_FREG_ROWCOL_SUPPORT:   rowcol_support             <= cfg_data[2:0];
                 `EVCOT_FREG_STAMP_SHIFT:      stamp_shift                <= cfg_data[3:0];
                 `EVCOT_FREG_NOISE_LOG2:       noise_log2                 <= cfg_data[4:0];
-                `EVCOT_FREG_NOISE_2:          noise_least[0 +: 16]       <= cfg_data[15:0];
-                `EVCOT_FREG_NOISE_3:          noise_least[16 +: 16]      <= cfg_data[15:0];
-                `EVCOT_FREG_NOISE_4:          noise_least[32 +: 16]      <= cfg_data[15:0];
-                `EVCOT_FREG_NOISE_5:          noise_least[48 +: 16]      <= cfg_data[15:0];
-                `EVCOT_FREG_NOISE_6:          noise_least[64 +: 16]      <= cfg_data[15:0];
                 `EVCOT_FREG_MASK:             {mask_hot, mask_y, mask_x} <= cfg_data;
                 default: ;
             endcase

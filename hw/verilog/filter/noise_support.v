@@ -4,9 +4,10 @@
 // event's place, and whether another pixel had one, too. A window's end is computed between two tokens.
 //
 // Latency:    5 clocks from s_ to m_.
-// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 16 clocks, 49 at 346x260.
+// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 16 clocks, 49 at 346x260, and one more for each
+//             measured window before it, 4 at most.
 // Stall:      while the output is full, the pipeline stalls.
-// Reset:      becomes empty and clears the cells: (WIDTH / 8) * (HEIGHT / 8) clocks with idle low, in which two tokens at most are
+// Reset:      becomes empty and clears the cells: (WIDTH / 8) * (HEIGHT / 8) clocks with idle low, in which one token at most is
 //             taken.
 // RAM:        (WIDTH / 8) * (HEIGHT / 8) * 18 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
@@ -27,7 +28,8 @@ module noise_support #(
     input  wire              follow,       // 0: the support is fixed, and nothing is measured
     input  wire [3:0]        fixed,
     input  wire [4:0]        noise_log2,
-    input  wire [5*16-1:0]   noise_least,  // noise_2 in the low bits
+    output wire [2:0]        noise_asked,  // the low bits of the address of noise_2 ... noise_6
+    input  wire [15:0]       noise_least,  // its value
 
     // tokens in
     input  wire              s_valid,
@@ -76,6 +78,8 @@ module noise_support #(
     localparam NUM_W     = ALONE_W + FRAC;
     localparam TOKEN_W   = TICK_W + X_W + Y_W + 3;
     localparam [3:0] UNKNOWN = 4'd9;
+    localparam [`EVCOT_FREG_W-1:0] NOISE_2 = `EVCOT_FREG_NOISE_2;
+    localparam [`EVCOT_FREG_W-1:0] NOISE_6 = `EVCOT_FREG_NOISE_6;
 
     localparam [31:0] ACROSS      = WIDTH;
     localparam [31:0] DOWN        = HEIGHT;
@@ -93,24 +97,26 @@ module noise_support #(
     wire [31:0] product = line * COLUMNS;
     wire        counts  = s_event && x < ACROSS && y < DOWN && column < COLUMNS && line < LINES;
 
-    wire               in_valid, in_ready, in_counts;
-    wire [ADDR_W-1:0]  in_product, in_column;
-    wire [5:0]         in_place;
-    wire [TOKEN_W-1:0] in_token;
+    reg                in_valid, in_counts;
+    reg  [ADDR_W-1:0]  in_product, in_column;
+    reg  [5:0]         in_place;
+    reg  [TOKEN_W-1:0] in_token;
     wire [TICK_W-1:0]  in_tick = in_token[TOKEN_W-1 -: TICK_W];
+    wire               in_ready;
 
-    skid_buffer #(
-        .W(1 + 2 * ADDR_W + 6 + TOKEN_W)
-    ) u_input (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(s_valid),
-        .s_ready(s_ready),
-        .s_data ({counts, product[ADDR_W-1:0], column[ADDR_W-1:0], y[2:0], x[2:0], s_tick, s_event, s_skip, s_x, s_y, s_p}),
-        .m_valid(in_valid),
-        .m_ready(in_ready),
-        .m_data ({in_counts, in_product, in_column, in_place, in_token})
-    );
+    assign s_ready = in_ready || !in_valid;
+
+    always @(posedge clk) begin
+        if (s_ready) begin
+            in_valid   <= s_valid;
+            in_counts  <= counts;
+            in_product <= product[ADDR_W-1:0];
+            in_column  <= column[ADDR_W-1:0];
+            in_place   <= {y[2:0], x[2:0]};
+            in_token   <= {s_tick, s_event, s_skip, s_x, s_y, s_p};
+        end
+        if (rst) in_valid <= 1'b0;
+    end
 
     // ---- stages: time, read, held, compared --------------------------------------------------------------------------
 
@@ -136,10 +142,8 @@ module noise_support #(
     wire [2:0]       shorter = (shorter_reg > most) ? most : shorter_reg;
     reg  [4:0]       window_reg;  // log2 of the open window's ticks
     reg  [SUM_W-1:0] above_reg;   // the bits of a tick above it; settled two clocks after a change of `shorter`
-    wire [NOW_W-1:0] phase   = now_reg & ~above_reg[NOW_W-1:0];
-    wire [SUM_W-1:0] elapsed = {{(SUM_W - NOW_W) {1'b0}}, phase} + {{(SUM_W - TICK_W) {1'b0}}, in_tick};
-
-    wire [31:0]      wide_tick = {{(32 - TICK_W) {1'b0}}, in_tick};
+    wire [SUM_W-1:0] wide_now = {{(SUM_W - NOW_W) {1'b0}}, now_reg};
+    wire [SUM_W-1:0] later    = wide_now + {{(SUM_W - TICK_W) {1'b0}}, in_tick};
 
     wire goes = time_valid && !time_ends;  // the token in `time` goes on
 
@@ -194,7 +198,7 @@ module noise_support #(
             last_word    <= changed;
             second_word  <= last_word;
         end
-        if (in_valid && in_ready) now_reg <= now_reg + wide_tick[NOW_W-1:0];
+        if (in_valid && in_ready) now_reg <= later[NOW_W-1:0];
         if (clearing_reg) begin
             cleared_reg  <= cleared_reg + 1'b1;
             clearing_reg <= cleared_reg != LAST_CELL[ADDR_W-1:0];
@@ -222,8 +226,9 @@ module noise_support #(
     reg               dense_reg, sparse_reg, settled_reg;
     reg [15:0]        level_reg;
     reg [3:0]         support_reg;
-    reg [2:0]         compared_reg;
-    reg [5*16-1:0]    least_reg;
+    reg [2:0]         step_reg;         // in MEANS halvings, in COMPARE the threshold
+
+    assign noise_asked = step_reg;
 
     wire [COUNT_W+1:0] four_empty   = {empty_reg, 2'b00};
     wire [COUNT_W+1:0] four_touched = {touched_reg, 2'b00};
@@ -262,7 +267,7 @@ module noise_support #(
             touched_reg <= touched_reg + {{(COUNT_W - 1) {1'b0}}, fresh};
             alone_reg   <= fresh ? alone_reg + 1'b1 : second ? alone_reg - 1'b1 : alone_reg;
         end
-        if (in_valid && in_ready) time_ends <= follow && |(elapsed & above_reg);
+        if (in_valid && in_ready) time_ends <= follow && |((later ^ wide_now) & above_reg);
         case (state_reg)
             RUNNING:  // until the tokens before the window's end are noted
                 if (time_valid && time_ends && !read_valid && !held_valid) begin
@@ -272,6 +277,7 @@ module noise_support #(
             BEGIN: begin
                 dense_reg  <= four_empty < all_cells;
                 sparse_reg <= four_touched < all_cells;
+                step_reg   <= 3'd0;
                 alone_off_reg <= {1'b0, alone_now} - {1'b0, mean_alone_reg};
                 empty_off_reg <= {1'b0, empty_now} - {1'b0, mean_empty_reg};
                 if (touched_reg == {COUNT_W{1'b0}}) begin
@@ -280,11 +286,13 @@ module noise_support #(
                 end else state_reg <= MEANS;
             end
             MEANS:
-                if (measured) begin
-                    alone_off_reg <= alone_off_reg >>> windows_reg;
-                    empty_off_reg <= empty_off_reg >>> windows_reg;
-                    state_reg     <= MOVE;
-                end else state_reg <= OPEN;
+                if (!measured) state_reg <= OPEN;
+                else if (step_reg == windows_reg) state_reg <= MOVE;
+                else begin
+                    alone_off_reg <= alone_off_reg >>> 1;
+                    empty_off_reg <= empty_off_reg >>> 1;
+                    step_reg      <= step_reg + 1'b1;
+                end
             MOVE: begin
                 mean_alone_reg <= mean_alone_reg + alone_off_reg[ALONE_W-1:0];
                 mean_empty_reg <= mean_empty_reg + empty_off_reg[EMPTY_W-1:0];
@@ -292,8 +300,7 @@ module noise_support #(
                 state_reg      <= DIVIDE;
             end
             DIVIDE: begin
-                compared_reg <= 3'd0;
-                least_reg    <= noise_least;
+                step_reg <= NOISE_2[2:0];
                 if (level_valid) begin
                     level_reg   <= (|quotient[NUM_W-1:16]) ? 16'hffff : quotient[15:0];
                     support_reg <= 4'd1;
@@ -301,10 +308,9 @@ module noise_support #(
                 end
             end
             COMPARE: begin
-                if (level_reg >= least_reg[15:0]) support_reg <= support_reg + 1'b1;
-                least_reg    <= least_reg >> 16;
-                compared_reg <= compared_reg + 1'b1;
-                if (compared_reg == 3'd4) state_reg <= OPEN;
+                if (level_reg >= noise_least) support_reg <= support_reg + 1'b1;
+                step_reg <= step_reg + 1'b1;
+                if (step_reg == NOISE_6[2:0]) state_reg <= OPEN;
             end
             OPEN: begin
                 if (dense_reg) shorter_reg <= (shorter == most) ? most : shorter + 1'b1;
@@ -356,7 +362,7 @@ module noise_support #(
     assign idle = !clearing_reg && !in_valid && !time_valid && !read_valid && !held_valid && !m_valid;
 
     // The divider is free when it is asked.
-    wire unused = &{1'b0, divide_ready, remainder, wide_tick, product, alone_off_reg[ALONE_W], empty_off_reg[EMPTY_W]};
+    wire unused = &{1'b0, divide_ready, remainder, NOISE_2, NOISE_6, product, alone_off_reg[ALONE_W], empty_off_reg[EMPTY_W]};
 
 endmodule
 

@@ -37,9 +37,9 @@ module stamp_slots #(
     // by stage
     output reg  [6:0]           access,    // a token whose event needs the memory
     output reg  [6:0]           visits,
-    output reg  [7*ROW_W-1:0]   row,       // of the event, or of the visit
+    output wire [7*ROW_W-1:0]   row,       // of the event, or of the visit
     output reg  [7*STAMP_W-1:0] now,
-    output reg  [7*DATA_W-1:0]  data,      // of the token
+    output wire [7*DATA_W-1:0]  data,      // of the token
 
     output wire                 m_valid,   // a token is in stage 6
     output wire                 clearing,  // visits are to empty their rows
@@ -88,9 +88,7 @@ module stamp_slots #(
             valid  <= {valid[5:0], enters};
             access <= {access[5:0], accesses};
             visits <= {visits[5:0], goes_round};
-            row    <= {row[6*ROW_W-1:0], goes_round ? walk_row : token_row};
             now    <= {now[6*STAMP_W-1:0], time_now};
-            data   <= {data[6*DATA_W-1:0], token};
         end
         if (rst) begin
             valid  <= 7'd0;
@@ -98,6 +96,34 @@ module stamp_slots #(
             visits <= 7'd0;
         end
     end
+
+    // A register for each stage: a simulator moves those faster than one wide vector.
+    wire [ROW_W-1:0] ask_row = goes_round ? walk_row : token_row;
+
+    genvar s;
+    generate
+        for (s = 0; s < 7; s = s + 1) begin : g_stage
+            reg [ROW_W-1:0]  row_reg;
+            reg [DATA_W-1:0] data_reg;
+
+            if (s == 0) begin : g_ask
+                always @(posedge clk) 
+                    if (advance) begin
+                        row_reg  <= ask_row;
+                        data_reg <= token;
+                    end
+            end else begin : g_later
+                always @(posedge clk)
+                    if (advance) begin
+                        row_reg  <= g_stage[s-1].row_reg;
+                        data_reg <= g_stage[s-1].data_reg;
+                    end
+            end
+
+            assign row[s*ROW_W +: ROW_W]    = row_reg;
+            assign data[s*DATA_W +: DATA_W] = data_reg;
+        end
+    endgenerate
 
     assign m_valid = valid[6];
     assign idle    = !clearing && !waits && valid == 7'd0;

@@ -2,7 +2,7 @@
 // Converts the ticks of a stream of tokens to units of 2^shift ticks, the step of time stamps of few bits (cell_memory.v).
 //
 // Units are those of the time since reset: with a sum of T ticks so far, floor(T / 2^shift) units have passed, whenever
-// `shift` was written.
+// `shift` was written. Of one token no more are told than UNITS_W bits hold.
 //
 // Latency:    2 clocks from s_ to m_: sum, shift.
 // Throughput: 1 token per clock.
@@ -12,8 +12,9 @@
 `default_nettype none
 
 module stamp_units #(
-    parameter TICK_W = 20,  // bits of the tick input
-    parameter DATA_W = 1    // bits that travel with a token
+    parameter TICK_W  = 20,  // bits of the tick input
+    parameter UNITS_W = 9,   // bits of a token's units
+    parameter DATA_W  = 1    // bits that travel with a token
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -27,7 +28,7 @@ module stamp_units #(
 
     output wire              m_valid,
     input  wire              m_ready,
-    output wire [(TICK_W > 15 ? TICK_W : 15):0] m_units,
+    output wire [UNITS_W-1:0] m_units,
     output wire [DATA_W-1:0] m_data,
 
     output wire              idle  // nothing inside
@@ -35,15 +36,30 @@ module stamp_units #(
 
     localparam PLACE_W = 15;                                     // bits of a place in a unit, of 2^15 ticks at most
     localparam SUM_W   = (TICK_W > PLACE_W ? TICK_W : PLACE_W) + 1;
+    localparam WIDE_W  = (SUM_W > UNITS_W) ? SUM_W : UNITS_W + 1;
 
     reg  [PLACE_W-1:0] ticks;  // so far, modulo 2^15
     reg                sum_valid, units_valid;
-    reg  [SUM_W-1:0]   sum, units;
+    reg  [SUM_W-1:0]   sum;
+    reg  [UNITS_W-1:0] units;
     reg  [DATA_W-1:0]  sum_data, units_data;
 
     wire [SUM_W-1:0]   step   = {{(SUM_W - TICK_W) {1'b0}}, s_tick};
     wire [PLACE_W-1:0] in_unit = ticks & ~({PLACE_W{1'b1}} << shift);
     wire               moves  = m_ready || !units_valid;
+
+    wire [WIDE_W:0]    wide_sum = {{(WIDE_W + 1 - SUM_W) {1'b0}}, sum};
+    wire               unused   = &{1'b0, wide_sum[WIDE_W]};
+    wire [UNITS_W-1:0] sum_units;
+
+    shift_saturate #(
+        .IN_W (WIDE_W),
+        .OUT_W(UNITS_W)
+    ) u_shift (
+        .value(wide_sum[WIDE_W-1:0]),
+        .shift(shift),
+        .y    (sum_units)
+    );
 
     always @(posedge clk) begin
         if (moves) begin
@@ -54,7 +70,7 @@ module stamp_units #(
 
             units_valid <= sum_valid;
             units_data  <= sum_data;
-            units       <= sum >> shift;
+            units       <= sum_units;
         end
         if (rst) begin
             sum_valid   <= 1'b0;

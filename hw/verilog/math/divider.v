@@ -43,9 +43,11 @@ module divider #(
     reg [DEN_W-1:0] rem_reg, den_reg;
 
     wire [DEN_W:0] partial = {rem_reg, quot_reg[NUM_W-1]};
-    wire fits = partial >= {1'b0, den_reg};
-    // Below the denominator, so the low bits suffice.
-    wire [DEN_W-1:0] restored = fits ? partial[DEN_W-1:0] - den_reg : partial[DEN_W-1:0];
+    // One subtraction for both: negative where it does not fit. What is left is below the denominator, so the low bits suffice.
+    wire [DEN_W+1:0] difference = {1'b0, partial} - {2'b00, den_reg};
+    wire fits = !difference[DEN_W+1];
+    wire [DEN_W-1:0] restored = fits ? difference[DEN_W-1:0] : partial[DEN_W-1:0];
+    wire unused = &{1'b0, difference[DEN_W]};
 
     assign s_ready = !busy_reg && !m_valid_reg;
     assign m_valid = m_valid_reg;

@@ -16,9 +16,9 @@ from support.testing import PATTERNS, Sink, Source, always, lint, run_streams, s
 
 @pytest.mark.parametrize("tick_w", [1, 8, 20])
 @pytest.mark.parametrize("pattern", PATTERNS)
-def test_units_add_up_to_the_ticks_shifted(tick_w: int, pattern: str) -> None:
+def test_units_add_up_to_the_ticks_shifted_as_far_as_they_fit(tick_w: int, pattern: str) -> None:
     rng = np.random.default_rng([92, tick_w])
-    sim = load("stamp_units", {"TICK_W": tick_w, "DATA_W": 8})
+    sim = load("stamp_units", {"TICK_W": tick_w, "UNITS_W": 9, "DATA_W": 8})
     reset(sim)
     total = 0
     for shift in (0, 3, 15, 1):
@@ -29,10 +29,21 @@ def test_units_add_up_to_the_ticks_shifted(tick_w: int, pattern: str) -> None:
         sink = Sink(sim, "m", ("units", "data"), PATTERNS[pattern](rng))
         run_streams(sim, [source], [sink])
         passed = total + np.concatenate([[0], np.cumsum(ticks)])
-        assert [word[0] for word in sink.words] == np.diff(passed >> shift).tolist()
+        assert [word[0] for word in sink.words] == np.minimum(np.diff(passed >> shift), 511).tolist()
         assert [word[1] for word in sink.words] == [data for _, data in words]
         total = int(passed[-1])
         assert sim.io.idle == 1
+
+
+@pytest.mark.parametrize(("in_w", "out_w"), [(21, 9), (16, 5), (33, 9), (10, 9), (6, 5)])
+def test_a_shifted_value_is_all_ones_where_it_has_too_many_bits(in_w: int, out_w: int) -> None:
+    sim = load("shift_saturate", {"IN_W": in_w, "OUT_W": out_w})
+    assert lint("shift_saturate", IN_W=in_w, OUT_W=out_w) == (0, "")
+    rng = np.random.default_rng([93, in_w, out_w])
+    for length in rng.integers(0, in_w + 1, 500):
+        sim.io.value, sim.io.shift = value, shift = int(rng.integers(1 << length)), int(rng.integers(16))
+        sim.eval()
+        assert sim.io.y == min(value >> shift, (1 << out_w) - 1)
 
 
 @pytest.mark.parametrize("tick_w", [1, 15, 16, 32])

@@ -20,17 +20,18 @@ from support.testing import lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
 
-# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 1,024 words of 18 bits, or 512 of 36. The
-# lower half of those leaves through A. With OUTREG a second register stands behind each half.
+# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 2,048 words of 9 bits, 1,024 of 18, or 512
+# of 36. The lower half of the last ones leaves through A. With OUTREG a second register stands behind each half.
 CELL = """
     parameter DATA_WIDTH_A = 0, DATA_WIDTH_B = 0, REGMODE_A = "", REGMODE_B = "", RESETMODE = "", ASYNC_RESET_RELEASE = "",
         CSDECODE_A = "", CSDECODE_B = "", WRITEMODE_A = "", WRITEMODE_B = "", CLKAMUX = "", CLKBMUX = "", GSR = "";
-    localparam WIDE = DATA_WIDTH_A == 36;
-    reg [35:0] memory [0:1023];
+    localparam WIDE = DATA_WIDTH_A == 36, NARROW = DATA_WIDTH_A == 9;
+    reg [35:0] memory [0:2047];
     reg [35:0] read, out;
-    wire [9:0] to = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4 && !WIDE};
-    wire [9:0] from = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4 && !WIDE};
-    always @(posedge CLKA) if (CEA && WEA && ADA0 && ADA1 && (!WIDE || (ADA2 && ADA3))) memory[to] <= {IN_B, IN_A};
+    wire [10:0] to = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4 && !WIDE, ADA3 && NARROW};
+    wire [10:0] from = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4 && !WIDE, ADB3 && NARROW};
+    wire bytes = NARROW || (ADA0 && ADA1 && (!WIDE || (ADA2 && ADA3)));
+    always @(posedge CLKA) if (CEA && WEA && bytes) memory[to] <= {IN_B, IN_A};
     always @(posedge CLKB) begin
         if (CEB && !WEB) read <= memory[from];
         if (WIDE ? OCEA : OCEB) out[17:0] <= read[17:0];
@@ -47,7 +48,7 @@ endmodule
 def cell() -> str:
     """A model of the block RAM with the pins that the body connects."""
     text = ECP5.read_text()
-    connections = "".join(text.partition(f") {name} (")[2].partition(");")[0] for name in ("u_wide", "u_ram"))
+    connections = "".join(text.partition(f") {name} (")[2].partition(");")[0] for name in ("u_wide", "u_ram", "u_narrow"))
     pins = list(dict.fromkeys(re.findall(r"\.(\w+)\(", connections)))
     ports = [f"{'output' if pin.startswith('DO') else 'input'} {pin}" for pin in pins]
     body = CELL
@@ -74,19 +75,19 @@ def with_cells(folder: Path, body: str) -> Path:
     return folder
 
 
-def differences(sim: PyVerilator, clocks: int = 3_000) -> int:
+def differences(sim: PyVerilator, clocks: int = 3_000, depth: int = 100, bits: int = 40) -> int:
     """Random writes, reads and enables against an array: clocks at which the word read was another one."""
     rng = np.random.default_rng(5)
-    words = [int(word) for word in rng.integers(0, 1 << 40, 100)]
+    words = [int(word) for word in rng.integers(0, 1 << bits, depth)]
     for address, word in enumerate(words):
         sim.io.write, sim.io.write_address, sim.io.write_data = 1, address, word
         sim.clock.tick()
     first = second = None
     wrong = 0
     for _ in range(clocks):
-        to, from_ = (int(address) for address in rng.integers(0, 100, 2))
+        to, from_ = (int(address) for address in rng.integers(0, depth, 2))
         writes, reads, out = (bool(bit) for bit in rng.integers(0, 2, 3))
-        word = int(rng.integers(0, 1 << 40))
+        word = int(rng.integers(0, 1 << bits))
         writes &= to != from_
         sim.io.write, sim.io.write_address, sim.io.write_data = writes, to, word
         sim.io.read_enable, sim.io.read_address, sim.io.out_enable = reads, from_, out
@@ -100,6 +101,12 @@ def differences(sim: PyVerilator, clocks: int = 3_000) -> int:
 
 def test_a_word_comes_two_clocks_after_its_address_and_each_enable_holds_its_register(sim: PyVerilator) -> None:
     assert differences(sim) == 0
+
+
+@pytest.mark.parametrize(("bits", "depth"), [(9, 2048), (9, 5655), (7, 4097)])
+def test_a_deep_memory_of_narrow_words_is_made_of_parts(bits: int, depth: int, tmp_path: Path) -> None:
+    folder = with_cells(tmp_path / "rtl", ECP5.read_text())
+    assert differences(load("block_memory", {"W": bits, "DEPTH": depth}, verilog=folder), depth=depth, bits=bits) == 0
 
 
 @pytest.mark.parametrize("mode", ["REGMODE_A", "REGMODE_B"])
