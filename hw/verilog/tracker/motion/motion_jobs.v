@@ -5,8 +5,8 @@
 // wait already. The slots that wait form a queue of their own, since a slot that began earlier is due earlier. Of a slot that begins
 // anew, or that another one ends, the entry before stays in the queue, and is skipped.
 //
-// Of a tick, a job stores the lower 16 bits; the rest follows from the job that came last. Until then a slot that a job computes
-// something of has not taken effect, so it is at most two times 256 ticks old.
+// Of an event's number and of a tick, a job stores the lower 16 bits; the rest follows from the job that came last. Until then a slot
+// that a job computes something of has not taken effect, so it is at most two times 64 events and 256 ticks old.
 //
 // Slots that end with the slot that is due are found one by one: all slots are gone through until a whole round finds no more.
 //
@@ -82,8 +82,9 @@ module motion_jobs #(
     input  wire                due_taken   // it takes effect; only while `ready`
 );
 
-    localparam TIME_LOW = 16;  // stored bits of a tick; TIME_W is more
-    localparam JOB_W   = 4 + SLOT_W + 1 + X_W + Y_W + 4 * SIDE_W + 4 + SUP_W + SEQ_W + TIME_LOW;
+    localparam SEQ_LOW  = SEQ_W < 16 ? SEQ_W : 16;  // stored bits of a job's number
+    localparam TIME_LOW = 16;                       // and of its tick; TIME_W is more
+    localparam JOB_W   = 4 + SLOT_W + 1 + X_W + Y_W + 4 * SIDE_W + 4 + SUP_W + SEQ_LOW + TIME_LOW;
     localparam DEPTH_W = 7;  // more than 64 words, for block RAM on every device
     localparam WAIT_W  = 8;  // a slot waits for 64 events at most; beside slots that events made wait, each slot may by a step
     localparam [7:0]       LATER = EVENTS;
@@ -110,8 +111,8 @@ module motion_jobs #(
     reg  [SLOT_W-1:0] end_with[0:(1<<SLOT_W)-1];   // as this one takes effect
     reg               any_ending;
     reg  [SLOT_W-1:0] mask_slot;
-    wire [SEQ_W-1:0]  stored_seq;
     reg  [TIME_W-1:TIME_LOW-1] last_time;  // of the job that came last
+    wire [SEQ_LOW-1:0]  seq_low;
     wire [TIME_LOW-1:0] time_low;
     reg               due_fetched, due_there, due_read, is_first;
     reg  [SLOT_W-1:0] slot;             // due_slot, a clock later: what is found of it
@@ -147,11 +148,11 @@ module motion_jobs #(
         .clk          (clk),
         .write        (j_valid),
         .write_address(tail[DEPTH_W-1:0]),
-        .write_data   ({j_real, j_flag, j_kind, j_slot, waits[j_slot], j_x, j_y, j_sides, j_marks, j_owned, j_seq, j_time[TIME_LOW-1:0]}),
+        .write_data   ({j_real, j_flag, j_kind, j_slot, waits[j_slot], j_x, j_y, j_sides, j_marks, j_owned, j_seq[SEQ_LOW-1:0], j_time[TIME_LOW-1:0]}),
         .read_enable  (reads),
         .read_address (following[DEPTH_W-1:0]),
         .out_enable   (gives),
-        .read_data    ({job_real, job_flag, job_kind, job_slot, job_waits, job_x, job_y, job_sides, job_marks, job_owned, stored_seq, time_low})
+        .read_data    ({job_real, job_flag, job_kind, job_slot, job_waits, job_x, job_y, job_sides, job_marks, job_owned, seq_low, time_low})
     );
 
     block_memory #(
@@ -169,12 +170,28 @@ module motion_jobs #(
     );
 
     // What was stored is behind what came last if its upper bit is set and that one's is not.
-    wire earlier = time_low[TIME_LOW-1] && !last_time[TIME_LOW-1];
+    wire earlier_time = time_low[TIME_LOW-1] && !last_time[TIME_LOW-1];
 
     always @(posedge clk) begin
         if (j_valid) last_time <= j_time[TIME_W-1:TIME_LOW-1];
-        job_time <= {last_time[TIME_W-1:TIME_LOW] - {{(TIME_W - TIME_LOW - 1) {1'b0}}, earlier}, time_low};
-        job_seq  <= stored_seq;
+        job_time <= {last_time[TIME_W-1:TIME_LOW] - {{(TIME_W - TIME_LOW - 1) {1'b0}}, earlier_time}, time_low};
+    end
+
+    generate
+        if (SEQ_W > SEQ_LOW) begin : g_seq
+            reg  [SEQ_W-1:SEQ_LOW-1] last_seq;
+            wire earlier_seq = seq_low[SEQ_LOW-1] && !last_seq[SEQ_LOW-1];
+
+            always @(posedge clk) begin
+                if (j_valid) last_seq <= j_seq[SEQ_W-1:SEQ_LOW-1];
+                job_seq <= {last_seq[SEQ_W-1:SEQ_LOW] - {{(SEQ_W - SEQ_LOW - 1) {1'b0}}, earlier_seq}, seq_low};
+            end
+        end else begin : g_whole_seq
+            always @(posedge clk) job_seq <= seq_low;
+        end
+    endgenerate
+
+    always @(posedge clk) begin
         if (mask) mask_slot <= job_slot;
         if (j_valid) tail <= tail + {{DEPTH_W{1'b0}}, 1'b1};
         if (job_done) head <= head + {{DEPTH_W{1'b0}}, 1'b1};
