@@ -81,7 +81,7 @@ module axis_events_in #(
 
     reg  [31:0]       last;
     reg  [HIGH_W-1:0] turn, turn_next;  // a turn begins in every second clock at most
-    wire              wrapped = last[31] && !t[31] && last[30:0] >= t[30:0];
+    wire              wrapped = last[31] && !t[31] && !(last[30:0] < t[30:0]);
 
     assign idle = !seen && !m_valid;
 

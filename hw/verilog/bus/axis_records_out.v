@@ -197,7 +197,7 @@ module axis_records_out #(
     reg  [15:0] records;  // that the packet has
     reg  [23:0] clocks;   // until it ends
     reg         expired;
-    wire        ends   = records + 16'd1 >= packet_records || expired;
+    wire        ends   = !(records + 16'd1 < packet_records) || expired;
     wire        leaves = moves && ram_valid && ram_last;
 
     always @(posedge clk) begin
