@@ -317,7 +317,7 @@ module axi_lite_regs #(
     // A commit of motion reads the registers that it compares: of each pair first the one that must not be more.
     reg  [3:0]               compares;  // the one that is read
     wire [3:0]               came     = compares - 4'd2;  // the one that has come
-    wire [`EVCOT_MREG_W-1:0] compared = motion_compared(is_tracks, compares[2:0]);
+    wire [`EVCOT_MREG_W-1:0] compared = motion_compared(in_tracks, compares[2:0]);
     reg  [31:0]              less;
 
     // With motion, `mode` and the commit are all words of a slot: the shadow has those of all slots, and behind them the other banks.
@@ -491,9 +491,9 @@ module axi_lite_regs #(
             if (MOTION == 0) state <= IDLE;
             else begin
                 compares <= compares + 4'd1;
-                if (!came[0]) less <= motion_doubled(is_tracks, came[2:0]) ? {in_shadow[30:0], 1'b0} : in_shadow;
+                if (!came[0]) less <= motion_doubled(in_tracks, came[2:0]) ? {in_shadow[30:0], 1'b0} : in_shadow;
                 else if (!came[3] && less > in_shadow) contradicts <= 1'b1;
-                if (came == {1'b0, is_tracks ? TRACKS_COMPARED : MOTION_COMPARED}) state <= WEIGH;
+                if (came == {1'b0, in_tracks ? TRACKS_COMPARED : MOTION_COMPARED}) state <= WEIGH;
             end
             WEIGH: state <= CHECK;
             CHECK: begin

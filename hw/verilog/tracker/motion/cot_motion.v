@@ -299,11 +299,14 @@ module cot_motion #(
     wire [2*REL_W-1:0]  e_middle;
     wire                mask, mask_busy;
     wire [SLOT_W-1:0]   job_slot;
+    reg  [SLOT_W-1:0]   mask_slot;  // the same a clock later: a job has been there for longer before it is asked for
     wire [4*PX_W-1:0]   box, window;
     wire [9:0]          e_n_ev, bin_log2;
     wire [SLOT_W-1:0]   at, bin_slot;  // the slot that is worked on
     wire                bin_count, bin_clear, in_bin_x, in_bin_y;
     wire [3:0]          op_bin, bin_cleared, bin_x, bin_y;
+
+    always @(posedge clk) mask_slot <= job_slot;
 
     motion_events #(
         .N      (N),
@@ -332,7 +335,7 @@ module cot_motion #(
         .next_y     (next_y),
         .collides   (collides),
         .mask       (mask),
-        .mask_slot  (job_slot),
+        .mask_slot  (mask_slot),
         .mask_box   (box),
         .mask_window(window),
         .mask_busy  (mask_busy),
