@@ -11,7 +11,7 @@
 // Throughput: a write per clock.
 // Stall:      none.
 // Reset:      as above.
-// Combinational paths: none.
+// Combinational paths: noise_asked -> noise_least.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -178,10 +178,10 @@ module motion_axis #(
         far          <= stays ? 19'd0 : out;
         near_lo      <= stays ? {SIDE_W{1'b0}} : moves ? s_move_lo : {{(SIDE_W - 17) {1'b0}}, back};
         near_hi      <= stays ? {SIDE_W{1'b0}} : moves ? s_move_hi : {{(SIDE_W - 17) {1'b0}}, back};
-        less_far_lo  <= !hide[0];
-        less_far_hi  <= hide[1];
-        less_near_lo <= !moves && hide[0];
-        less_near_hi <= !moves && !hide[1];
+        less_far_lo  <= !stays && !hide[0];
+        less_far_hi  <= !stays && hide[1];
+        less_near_lo <= !stays && !moves && hide[0];
+        less_near_hi <= !stays && !moves && !hide[1];
         if (!forward || update) begin
             lo_far_4   <= lo_far;
             hi_far_4   <= hi_far;

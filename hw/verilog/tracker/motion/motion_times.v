@@ -78,7 +78,6 @@ module motion_times #(
     reg  [23:0]       grant, granted;
     wire [TIME_W:0] ahead = {age[TIME_W-1], age} - {other[TIME_W-1], other};
     reg  [24:0]       slower_by;
-    wire [23:0]       usual_next;
 
     wire [UNTIL_W-1:0] late  = counted - its_deadline;
     wire [UNTIL_W-1:0] spare = deadline - its_deadline;
@@ -114,18 +113,6 @@ module motion_times #(
         .read_data    (its_deadline)
     );
 
-    // The first time is usual + (ticks - usual): the one before does not count.
-    array_sum #(
-        .W    (24),
-        .ROUND(0)
-    ) u_usual (
-        .a     (usual),
-        .choice(first),
-        .one   ({slower_by[23:0], 1'b0}),
-        .other ({slower_by[24], slower_by[24:2], 1'b0}),
-        .y     (usual_next)
-    );
-
     // What is granted is 0 but when a deadline is set.
     array_sum #(
         .W    (UNTIL_W),
@@ -149,7 +136,7 @@ module motion_times #(
 
         slower_by <= {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
-        if (correct && (first || !instant)) usual <= usual_next;
+        if (correct && (first || !instant)) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
 
         // The time until the deadline is shifted, then limited, then added.
         grants <= correct;
