@@ -32,7 +32,7 @@ def main(arguments: list[str]) -> None:
 
 
 def has_one_trigger(names: list[str]) -> bool:
-    """Whether the code in these files asks for the first trigger alone; False if one cannot be read, as the compiler will say."""
+    """Whether the code in these files asks for the first trigger alone; False if one cannot be read: the compiler says so."""
     asked = set()
     try:
         for name in names:
