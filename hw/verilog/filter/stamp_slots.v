@@ -107,7 +107,7 @@ module stamp_slots #(
             reg [DATA_W-1:0] data_reg;
 
             if (s == 0) begin : g_ask
-                always @(posedge clk) 
+                always @(posedge clk)
                     if (advance) begin
                         row_reg  <= ask_row;
                         data_reg <= token;

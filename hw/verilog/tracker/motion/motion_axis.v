@@ -103,7 +103,8 @@ module motion_axis #(
     wire [SIDE_W-1:0] hi        = hi_goes ? hi_far_4 : hi_same | hi_else;
     wire [1:0]        marks     = marks_then | beyond;
 
-    // The sign of a difference is a comparison. What takes effect moves sides as if the event were within them. A hidden side goes where the other one goes; where both are hidden, none does.
+    // The sign of a difference is a comparison. What takes effect moves sides as if the event were within them. A hidden side goes
+    // where the other one goes; where both are hidden, none does.
     wire [SIDE_W-1:0] here     = {{(SIDE_W - AT_W - 12) {1'b0}}, at, 12'd0};
     wire [SIDE_W:0]   over_lo  = {1'b0, here} - {lo[SIDE_W-1], lo};
     wire [PX_W:0]     under_hi = {hi[SIDE_W-1], hi[SIDE_W-1:12]} - {{(PX_W + 1 - AT_W) {1'b0}}, at};  // pixels decide

@@ -165,7 +165,7 @@ module motion_meeting #(
 
     always @(posedge clk) begin
         some_reach <= join_reach != 4'd0;
-        if (asks || |asks_then) begin  // a simulator need not go through it else
+        if (asks || |asks_then) begin  // otherwise a simulator can leave it out
             width        <= hi_x - lo_x;
             height       <= hi_y - lo_y;
             other_width  <= other_box[2*PX_W+:PX_W] - other_box[3*PX_W+:PX_W];

@@ -129,7 +129,7 @@ module motion_pair #(
         waits <= part[5] || (waits && !judges);
         last <= {last[1:0], judges && along};
         done <= last[2];
-        if (start || busy || |last) begin  // a simulator need not go through it else
+        if (start || busy || |last) begin  // otherwise a simulator can leave it out
             takes_own <= less == (step[1] || step[2]);
 
             v        <= on_y ? other_v_y : other_v_x;

@@ -137,7 +137,7 @@ module motion_velocity #(
 
     always @(posedge clk) begin
         begun <= {begun[12:0], start};
-        if (start || |begun) begin  // a simulator need not go through it else
+        if (start || |begun) begin  // otherwise a simulator can leave it out
             most_down <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
 
             low_1      <= low;

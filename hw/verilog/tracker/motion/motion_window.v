@@ -147,7 +147,7 @@ module motion_window #(
         // Of the pixel of a side, rounded to nearest, and of the length, which the inputs have.
         step <= {step[3:0], start};
         done <= step[4];
-        if (start || |step) begin  // a simulator need not go through it else
+        if (start || |step) begin  // otherwise a simulator can leave it out
             low  <= next_low;
             high <= next_high;
             if (step[0]) {low_x, high_x} <= {first, last};
