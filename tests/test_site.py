@@ -10,6 +10,8 @@ from types import ModuleType
 
 import pytest
 
+from support.testing import exhaustive
+
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / "docs" / "site" / "build_site.py"
 
@@ -101,9 +103,8 @@ def test_the_example_stands_after_the_film_and_its_caption(site: ModuleType) -> 
         site.with_example("# a\n\nb")
 
 
+@exhaustive  # `.ci/run` builds the site, and follows its links, with `make docs`
 def test_the_whole_site_has_search_and_no_dead_link(site: ModuleType, tmp_path: Path) -> None:
-    for package in ("sphinx", "furo", "myst_parser", "pdoc"):
-        pytest.importorskip(package, reason=f"needs {package}: make docs has it")
     built = site.build(tmp_path / "docs")
     index = (built / "searchindex.js").read_text()
     assert all(f'"docs/{page.stem}"' in index for page in (ROOT / "docs").glob("*.md"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The quick proofs of hw/formal hold; a broken RTL, an unreachable cover or a fault that breaks nothing fails the command."""
+"""`make prove` fails for a broken RTL, an unreachable cover and a fault that breaks nothing; the proofs themselves are its own run."""
 
 from __future__ import annotations
 
@@ -35,12 +35,6 @@ def changed(path: Path, old: str, new: str) -> None:
     text = path.read_text()
     assert text.count(old) == 1
     path.write_text(text.replace(old, new))
-
-
-@needs_solver
-def test_quick_proofs_hold_and_their_faults_are_found() -> None:
-    done = prove(HW, "--quick")
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @needs_solver
