@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make prove` fails for a broken RTL, an unreachable cover and a fault that breaks nothing; the proofs themselves are its own run."""
+"""`make prove` fails for a broken RTL, an unreachable cover and a fault that breaks nothing; the proofs are run by itself."""
 
 from __future__ import annotations
 
