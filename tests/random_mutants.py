@@ -21,6 +21,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -190,6 +191,8 @@ def rtl_kind() -> Kind:
     sources = {name: path.read_text() for name, path in paths.items() if name.endswith(".v") and name != "parameter_check.v"}
     verilator = find_toolchain()
     texts = {path: path.read_text(encoding="utf-8") for path in sorted((TESTS / "hw").rglob("test_*.py"))}
+    table = tomllib.loads((TESTS / "hw" / "parameters.toml").read_text(encoding="utf-8"))
+    refusing = {module for module, parameters in table.items() if "refuses" in parameters}
     listed: dict[str, set[str]] = {}
     for mutation in mutations():
         listed.setdefault(mutation.file, set()).update(test.partition("::")[0] for test in mutation.tests)
@@ -208,7 +211,8 @@ def rtl_kind() -> Kind:
         mirror = [path for path in texts if path.name == f"test_{name}.py"]
         others = [path for path in texts if path.name in listed.get(mutant.file, ()) and path not in mirror]
         others = others or [path for path, text in texts.items() if re.search(rf"\b{name}\b", text) and path not in mirror]
-        return [mirror, others] if mirror else [others, []]
+        rules = [TESTS / "hw" / f"test_parameters.py::test_refused[{name}]"] if name in refusing else []
+        return [rules + mirror, others] if mirror else [rules + others, []]
 
     def environment(folder: Path) -> dict[str, str]:
         cache = folder.parent / "cache"
@@ -253,7 +257,7 @@ def first_failure(tests: Sequence[Path], environment: dict[str, str]) -> str:
     """The first test that fails; empty if all pass."""
     if not tests:
         return ""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider", "-k", "not lints"]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider"]
     try:
         done = subprocess.run(
             [*command, *map(str, tests)],

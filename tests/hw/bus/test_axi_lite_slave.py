@@ -15,7 +15,6 @@ from pyverilator import PyVerilator
 from evcot.hardware.registers import Access, Field, Word, register_map
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 
 class Slave:
@@ -108,15 +107,6 @@ def test_an_access_stands_until_answered() -> None:
     assert slave.asked == [("read", 2)]
 
 
-def test_refuses_an_address_too_narrow() -> None:
-    assert "ADDR_W_must_be_at_least_3" in lint("axi_lite_slave", ADDR_W=2)[1]
-
-
-@pytest.mark.parametrize("width", [3, 32])
-def test_is_clean_at_any_width(width: int) -> None:
-    assert lint("axi_lite_slave", ADDR_W=width) == (0, "")
-
-
 TOP = "axi_lite_words"
 WITH_ALL = {"X_W": 6, "Y_W": 16, "SOURCE": 3, "SOURCES": 0b101011, "TICKS": 3}
 WITH_LEAST = {"X_W": 9, "Y_W": 8, "SOURCE": 0, "SOURCES": 0b001001, "TICKS": 0}
@@ -142,21 +132,6 @@ def is_built(word: Word, parameters: Mapping[str, int]) -> bool:
 def port(word: Word, field: Field) -> str:
     """Of the field's value, or of the pulse that clears it."""
     return word.port(field) + ("_clear" if field.access is Access.W1C else "")
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [{"X_W": 1, "Y_W": 1, "TICKS": 0}, {"X_W": 16, "Y_W": 16, "SOURCE": 5, "SOURCES": 63}],
-    ids=["smallest", "largest"],
-)
-def test_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint(TOP, **parameters) == (0, "")
-
-
-def test_refuses_a_source_that_is_not_built() -> None:
-    code, log = lint(TOP, SOURCE=1, SOURCES=1)
-    assert code != 0
-    assert "SOURCE_must_be_one_of_SOURCES" in log
 
 
 class Model:

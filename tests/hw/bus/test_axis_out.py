@@ -11,7 +11,6 @@ from evcot.hardware.contract import RECORD
 from evcot.hardware.motion.contract import MOTION_RECORD
 from support.beats import event_beats
 from support.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
-from support.testing import lint
 
 COMMON = {"kind": 2, "slot": 3, "id": 32, "other": 32}
 REST = {"support": 16, "seq": 48, "time": 48}
@@ -133,31 +132,9 @@ def test_is_idle_when_the_last_beat_has_gone() -> None:
     assert (io.m_axis_tvalid, io.idle) == (0, 1)
 
 
-def test_refuses_other_widths() -> None:
-    assert "DATA_W_must_be_32_64_128_or_256" in lint("axis_records_out", DATA_W=48)[1]
-
-
-TOP = "axis_owned_out"
-
-
-@pytest.mark.parametrize("w", [(1, 3, 1), (6, 14, 48)])
-def test_lints_clean(w: tuple[int, int, int]) -> None:
-    slot_w, rel_w, seq_w = w
-    assert lint(TOP, SLOT_W=slot_w, REL_W=rel_w, SEQ_W=seq_w) == (0, "")
-
-
 def test_events_stand_in_their_beats_at_any_pace() -> None:
     widths = {"slot": 6, "x": 14, "y": 14, "p": 1, "seq": 48}
     event_beats("owned", "s_own_", widths, {"SLOT_W": 6, "REL_W": 14, "SEQ_W": 48}, user="slot")
-
-
-AXIS_PASSED_OUT_TOP = "axis_passed_out"
-
-
-@pytest.mark.parametrize("w", [(1, 1, 1), (16, 16, 48)])
-def test_axis_passed_out_lints_clean(w: tuple[int, int, int]) -> None:
-    x_w, y_w, seq_w = w
-    assert lint(AXIS_PASSED_OUT_TOP, X_W=x_w, Y_W=y_w, SEQ_W=seq_w) == (0, "")
 
 
 def test_axis_passed_out_events_stand_in_their_beats_at_any_pace() -> None:

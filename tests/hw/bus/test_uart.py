@@ -11,23 +11,11 @@ import pytest
 from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga.serial_host import Receiver, levels
 from evcot_cosim.rtl.build import load
-from support.testing import Source, always, lint, run_streams, sometimes
+from support.testing import Source, always, run_streams, sometimes
 
 TOP = "uart_tx"
 DATA = np.random.default_rng(77).bytes(20)
 WORDS = [(value,) for value in DATA]
-
-
-@pytest.mark.parametrize("divisor", [2, 65535])
-def test_lints_clean(divisor: int) -> None:
-    assert lint(TOP, DIVISOR=divisor) == (0, "")
-
-
-@pytest.mark.parametrize("divisor", [1, 65536])
-def test_refuses_other_divisors(divisor: int) -> None:
-    code, log = lint(TOP, DIVISOR=divisor)
-    assert code != 0
-    assert "DIVISOR_must_be_2_to_65535" in log
 
 
 @pytest.mark.parametrize("divisor", [2, 5])
@@ -78,18 +66,6 @@ def received(divisor: int, line: Iterable[int]) -> bytes:
         if sim.io.m_valid:
             result.append(int(sim.io.m_data))
     return bytes(result)
-
-
-@pytest.mark.parametrize("divisor", [4, 65535])
-def test_uart_rx_lints_clean(divisor: int) -> None:
-    assert lint(UART_RX_TOP, DIVISOR=divisor) == (0, "")
-
-
-@pytest.mark.parametrize("divisor", [3, 65536])
-def test_uart_rx_refuses_other_divisors(divisor: int) -> None:
-    code, log = lint(UART_RX_TOP, DIVISOR=divisor)
-    assert code != 0
-    assert "DIVISOR_must_be_4_to_65535" in log
 
 
 @pytest.mark.parametrize("off", [-0.02, 0.0, 0.02])

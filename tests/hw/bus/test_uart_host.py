@@ -12,7 +12,7 @@ import pytest
 from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga.serial_host import BYTE_BITS, Receiver, levels, request
 from evcot_cosim.rtl.build import load
-from support.testing import PATTERNS, Word, always, lint, sometimes
+from support.testing import PATTERNS, Word, always, sometimes
 
 TOP = "uart_host"
 DIVISOR, TIMEOUT = 4, 20
@@ -119,26 +119,6 @@ def record(*beats: Word) -> bytes:
     """The frame of a record of these beats."""
     kept = (data.to_bytes(4, "little")[i] for data, keep, _ in beats for i in range(4) if keep >> i & 1)
     return with_sum(b"c" + bytes(kept))
-
-
-@pytest.mark.parametrize("parameters", [{"DIVISOR": 4, "TIMEOUT": 20, "ADDR_W": 1}, {"DIVISOR": 65535, "ADDR_W": 16}])
-def test_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint(TOP, **parameters) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"TIMEOUT": 19}, "TIMEOUT_must_be_at_least_20"),
-        ({"ADDR_W": 0}, "ADDR_W_must_be_1_to_16"),
-        ({"ADDR_W": 17}, "ADDR_W_must_be_1_to_16"),
-        ({"DIVISOR": 3}, "DIVISOR_must_be_4_to_65535"),
-    ],
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 class TestRequests:

@@ -12,21 +12,8 @@ from evcot.hardware.dff import Dff
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files
-from support.testing import lint
 
 COMPLEMENT = "RESET_TO_COMPLEMENT"
-
-
-@pytest.mark.parametrize("mode", [0, 1])
-def test_lints_clean(mode: int) -> None:
-    assert lint("dff", RESET_TO_COMPLEMENT=mode) == (0, "")
-
-
-@pytest.mark.parametrize("mode", [-1, 2])
-def test_refuses_an_unknown_reset(mode: int) -> None:
-    code, log = lint("dff", RESET_TO_COMPLEMENT=mode)
-    assert code != 0
-    assert "RESET_TO_COMPLEMENT_must_be_0_or_1" in log
 
 
 @pytest.mark.parametrize(("mode", "in_reset"), [(0, [0, 0, 0]), (1, [0, 1, 0])])
@@ -56,20 +43,6 @@ def test_random_inputs_match_the_twin(mode: int) -> None:
 
 
 TOP = "synchronizer"
-
-
-@pytest.mark.parametrize("stages", [2, 3, 4])
-def test_synchronizer_lints_clean(stages: int) -> None:
-    assert lint(TOP, STAGES=stages, RESET=stages % 2) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"), [({"STAGES": 1}, "STAGES_must_be_2_to_4"), ({"RESET": 2}, "RESET_must_be_0_or_1")]
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 def test_no_module_puts_logic_before_a_synchronizer() -> None:

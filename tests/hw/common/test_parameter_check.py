@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""parameter_check.v, and that every tracker refuses what the contract refuses, by name."""
+"""parameter_check.v, and that cot refuses what the contract refuses, by name; the rules of all modules: test_parameters.py."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.sources import closure, flat
 from support.testing import lint
 
-# Where a range is checked: the module that uses the width.
-TRACKERS = ("cot", "cot_chain", "cot_array")
 WIDTHS = [name for name in SHAPE_RANGES if name != "n_slots"]
 
 
@@ -66,40 +64,3 @@ def test_cot_refuses_a_width_beyond_the_contracts_range(name: str, end: int) -> 
     code, log = lint("cot", **fitting | {name.upper(): value})
     assert code != 0
     assert rule_of(name, value) in log
-
-
-@pytest.mark.parametrize("top", ["cot_chain", "cot_array"])
-@pytest.mark.parametrize("n", [0, 65])
-def test_refuses_slots_beyond_the_contracts_range(top: str, n: int) -> None:
-    code, log = lint(top, N=n)
-    assert code != 0
-    assert "N_must_be_" in log  # the arbiter in a chain refuses 0 first
-
-
-@pytest.mark.parametrize("top", TRACKERS)
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"TIME_W": 33, "TC_W": 24, "NEV_W": 10}, "TIME_W_must_be_at_least_TC_W_plus_NEV_W"),
-        ({"TIME_W": 16, "TC_W": 8, "NEV_W": 8, "TICK_W": 17}, "TIME_W_must_be_at_least_TICK_W"),
-    ],
-)
-def test_refuses_a_clock_that_would_wrap_within_a_window(top: str, parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(top, **parameters)
-    assert code != 0
-    assert rule in log
-
-
-@pytest.mark.parametrize("top", ["cot_chain", "cot_array"])
-def test_slot_w_is_derived(top: str) -> None:
-    code, log = lint(top, N=4, SLOT_W=3)
-    assert code != 0
-    assert "SLOT_W_must_be_left_at_its_default" in log
-
-
-@pytest.mark.parametrize("top", TRACKERS)
-@pytest.mark.parametrize("end", [0, 1])
-def test_the_limits_themselves_lint_clean(top: str, end: int) -> None:
-    widths = {name.upper(): SHAPE_RANGES[name][end] for name in WIDTHS}
-    slots = {} if top == "cot" else {"N": (1, 3)[end]}
-    assert lint(top, **widths, **slots) == (0, "")

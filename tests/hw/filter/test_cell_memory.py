@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 from support.tokens import Token, TokenMemory
 
 TOP = "cell_memory"
@@ -73,18 +72,6 @@ class Memory(TokenMemory[Wanted]):
         if stays:
             self.last[cell] = self.now, x, y
         return Wanted(data, inside, stays, ages)
-
-
-@pytest.mark.parametrize("cell_px", [3, 8])
-def test_refuses_cells_of_other_sides(cell_px: int) -> None:
-    code, log = lint(TOP, CELL_PX=cell_px)
-    assert code != 0
-    assert "CELL_PX_must_be_1_or_2_or_4" in log
-
-
-@pytest.mark.parametrize("side", [1, 2, 4])
-def test_lints_clean(side: int) -> None:
-    assert lint(TOP, CELL_PX=side) == (0, "")
 
 
 @pytest.mark.parametrize(("side", "stamp_w"), SIDES)

@@ -8,13 +8,11 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.filters.chain import FilterChain
-from evcot.filters.contract import CELL_STAMP_W, FILTER_SHAPE_RANGES, Filter, FilterShape
+from evcot.filters.contract import CELL_STAMP_W, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
-from support.testing import lint
 from support.tokens import ticked
 
 TOP = "filter_cells"
@@ -286,32 +284,3 @@ class TestClocks:
         segments = traffic.ticks[-1] >> 4 + 4  # of 16 units
         assert segments == 97
         assert 0 < times.accepted[-1] - (n - 1) <= segments * (8 * 6 + 9)
-
-
-@pytest.mark.parametrize("end", [0, 1], ids=["below", "above"])
-@pytest.mark.parametrize("name", ["x_w", "y_w", "tick_w", "width", "height", "stamp_w"])
-def test_refuses_parameters_out_of_range(name: str, end: int) -> None:
-    low, high = (SHAPE_RANGES | FILTER_SHAPE_RANGES)[name][:2]
-    code, log = lint(TOP, **{"WIDTH": 5, "HEIGHT": 5, name.upper(): (low - 1, high + 1)[end]})
-    assert code != 0
-    lower = {("width", 0): "_must_be_at_least_1", ("height", 0): "WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24"}
-    assert f"{name.upper()}_must_be_{low}_to_{high}" in log or lower.get((name, end), "none such") in log
-
-
-@pytest.mark.parametrize("side", [3, 5])
-def test_refuses_cells_of_other_sizes(side: int) -> None:
-    code, log = lint(TOP, CELL_PX=side)
-    assert code != 0
-    assert "CELL_PX_must_be_1_or_2_or_4" in log
-
-
-@pytest.mark.parametrize("side", SIDES)
-@pytest.mark.parametrize(
-    "limits",
-    [
-        {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1, "STAMP_W": 4},
-        {"X_W": 16, "Y_W": 16, "TICK_W": 32, "WIDTH": 65536, "HEIGHT": 16, "STAMP_W": 32},
-    ],
-)
-def test_the_limits_themselves_lint_clean(limits: dict[str, int], side: int) -> None:
-    assert lint(TOP, **limits, CELL_PX=side) == (0, "")

@@ -11,14 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.filters.chain import FilterChain
-from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, Filter, FilterShape
+from evcot.filters.contract import FILTER_REGISTERS, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from evcot_cosim.rtl.files import rtl_files
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
-from support.testing import lint
 from support.tokens import ticked
 
 ALL = (1 << len(Filter)) - 1
@@ -218,40 +216,3 @@ def test_idle_is_low_while_a_mark_is_under_way(device: FilterDevice) -> None:
     write(device, FilterRegisters(hot_pixels=((3, 4),)))
     assert device.sim.io.idle == 0
     assert device.settle() == 3
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {},
-        {"HAS": 0},
-        *({"HAS": 1 << which} for which in Filter),
-        *({"CELL_PX": side} for side in (1, 2, 4)),
-        {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1, "STAMP_W": 4, "RECENT_DEPTH": 1},
-        {"X_W": 16, "Y_W": 16, "TICK_W": 32, "STAMP_W": 32, "RECENT_DEPTH": 256},
-    ],
-)
-def test_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint("filter_chain", **parameters) == (0, "")
-
-
-@pytest.mark.parametrize("end", [0, 1], ids=["below", "above"])
-@pytest.mark.parametrize(
-    ("name", "low", "high"),
-    [
-        ("HAS", 0, ALL),
-        *((name.upper(), *SHAPE_RANGES[name][:2]) for name in ("x_w", "y_w", "tick_w")),
-        *((name.upper(), low, high) for name, (low, high, _) in FILTER_SHAPE_RANGES.items() if name != "cell_stamp_w"),
-    ],
-)
-def test_refuses_parameters_out_of_range(name: str, low: int, high: int, end: int) -> None:
-    """Whatever is built: the rule is the chain's own."""
-    code, log = lint("filter_chain", **{"HAS": 0, name: (low - 1, high + 1)[end]})
-    assert code != 0
-    assert f"{name}_must_be_{low}_to_{high}" in log
-
-
-def test_refuses_cells_of_three() -> None:
-    code, log = lint("filter_chain", HAS=0, CELL_PX=3)
-    assert code != 0
-    assert "CELL_PX_must_be_0_to_4_and_not_3" in log

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
-from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
+from support.testing import PATTERNS, Sink, Source, always, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
 
@@ -160,39 +160,3 @@ def test_a_mark_holds_the_tokens_up_for_one_clock() -> None:
 
     run_streams(sim, [Source(sim, "s", FIELDS, [(0, 1, 0, 1, 1, 0)] * 30, always())], [sink], on_clock=mark_at_ten)
     assert np.diff(sink.clocks).tolist() == [1] * 6 + [2] + [1] * 22
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {},
-        {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1},
-        {"X_W": 16, "Y_W": 16, "TICK_W": 32, "WIDTH": 65536, "HEIGHT": 3},
-        {"X_W": 16, "Y_W": 16, "WIDTH": 4096, "HEIGHT": 4096},
-    ],
-)
-def test_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint("filter_mask", **parameters) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"X_W": 0}, "X_W_must_be_1_to_16"),
-        ({"X_W": 17}, "X_W_must_be_1_to_16"),
-        ({"Y_W": 0}, "Y_W_must_be_1_to_16"),
-        ({"Y_W": 17}, "Y_W_must_be_1_to_16"),
-        ({"TICK_W": 0}, "TICK_W_must_be_1_to_32"),
-        ({"TICK_W": 33}, "TICK_W_must_be_1_to_32"),
-        ({"WIDTH": 0}, "WIDTH_must_be_1_to_65536"),
-        ({"WIDTH": 65537, "HEIGHT": 1}, "WIDTH_must_be_1_to_65536"),
-        ({"HEIGHT": 0}, "HEIGHT_must_be_1_to_65536"),
-        ({"HEIGHT": 65537, "WIDTH": 1}, "HEIGHT_must_be_1_to_65536"),
-        ({"WIDTH": 4096, "HEIGHT": 4097}, "WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24"),
-        ({"WIDTH": 65536, "HEIGHT": 65536}, "WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24"),
-    ],
-)
-def test_refuses_parameters_out_of_range(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint("filter_mask", **parameters)
-    assert code != 0
-    assert rule in log

@@ -7,12 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.filters.contract import FILTER_SHAPE_RANGES
-from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
-from support.testing import lint
 from support.tokens import ticked
 
 Story = list[tuple[int, int, int]]  # tick, x, y
@@ -162,28 +159,3 @@ def test_reset_forgets_all_events() -> None:
         device.sim.clock.tick()
     device.reset()
     assert (device.sim.io.idle, device.sim.io.m_valid) == (1, 0)
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {},
-        {"X_W": 1, "Y_W": 1, "TICK_W": 1, "STAMP_W": 4, "DEPTH": 1},
-        {"X_W": 3, "Y_W": 5, "TICK_W": 3, "STAMP_W": 4, "DEPTH": 2},
-        {"X_W": 16, "Y_W": 16, "TICK_W": 32, "STAMP_W": 32, "DEPTH": 256},
-        {"TICK_W": 1, "STAMP_W": 32, "DEPTH": 255},
-        {"TICK_W": 32, "STAMP_W": 4, "DEPTH": 3},
-    ],
-)
-def test_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint("filter_recent", **parameters) == (0, "")
-
-
-@pytest.mark.parametrize("end", [0, 1], ids=["below", "above"])
-@pytest.mark.parametrize("name", ["x_w", "y_w", "tick_w", "stamp_w", "recent_depth"])
-def test_refuses_parameters_out_of_range(name: str, end: int) -> None:
-    low, high, _ = (SHAPE_RANGES | FILTER_SHAPE_RANGES)[name]
-    parameter = "DEPTH" if name == "recent_depth" else name.upper()
-    code, log = lint("filter_recent", **{parameter: (low - 1, high + 1)[end]})
-    assert code != 0
-    assert f"{parameter}_must_be_{low}_to_{high}" in log

@@ -10,7 +10,6 @@ from pyverilator import PyVerilator
 from evcot.filters.contract import FILTER_REGISTERS, FilterShape
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 SHAPE = FilterShape(stamp_w=9)
 VALUES = {name: register for name, register in FILTER_REGISTERS.items() if name != "mask"}
@@ -90,15 +89,3 @@ def test_reset_disables_all_filters_stops_the_clock_of_the_decay_and_keeps_the_r
     reset(sim, clocks=1)
     assert sim.io.mask_valid == 0
     assert shown(sim) == dict.fromkeys(VALUES, 1) | {"enable": 0, "decay_rate": 0, "stamp_shift": 0}
-
-
-@pytest.mark.parametrize("stamp_w", [4, 20, 32])
-def test_lints_clean(stamp_w: int) -> None:
-    assert lint("filter_regs", STAMP_W=stamp_w) == (0, "")
-
-
-@pytest.mark.parametrize("stamp_w", [3, 33])
-def test_refuses_parameters_out_of_range(stamp_w: int) -> None:
-    code, log = lint("filter_regs", STAMP_W=stamp_w)
-    assert code != 0
-    assert "STAMP_W_must_be_4_to_32" in log

@@ -11,15 +11,13 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.filters.activity import ActivityFilter
-from evcot.filters.contract import FILTER_SHAPE_RANGES, FilterShape
+from evcot.filters.contract import FilterShape
 from evcot.filters.refractory import RefractoryFilter
 from evcot.filters.registers import FilterRegisters
 from evcot.filters.rowcol import RowColumnFilter
-from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
-from support.testing import lint
 from support.tokens import ticked
 
 Keep = NDArray[np.bool_]
@@ -386,22 +384,3 @@ class TestClocks:
 
 class TestParameters:
     """Ranges are checked by common lines, of which filter_rowcol is the example."""
-
-    @pytest.mark.parametrize("end", [0, 1], ids=["below", "above"])
-    @pytest.mark.parametrize("name", ["x_w", "y_w", "tick_w", "width", "height", "stamp_w"])
-    def test_out_of_range_are_refused(self, name: str, end: int) -> None:
-        low, high = (SHAPE_RANGES | FILTER_SHAPE_RANGES)[name][:2]
-        code, log = lint("filter_rowcol", **{name.upper(): (low - 1, high + 1)[end]})
-        assert code != 0
-        assert f"{name.upper()}_must_be_{low}_to_{high}" in log
-
-    @pytest.mark.parametrize(
-        "limits",
-        [
-            {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1, "STAMP_W": 4},
-            {"X_W": 16, "Y_W": 16, "TICK_W": 32, "WIDTH": 65536, "HEIGHT": 65536, "STAMP_W": 32},
-            {"X_W": 3, "Y_W": 16, "TICK_W": 32, "WIDTH": 300, "HEIGHT": 6, "STAMP_W": 32},
-        ],
-    )
-    def test_the_limits_themselves_lint_clean(self, limits: dict[str, int]) -> None:
-        assert lint("filter_rowcol", **limits) == (0, "")

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
-from support.testing import lint
 
 
 def polarity_filter(polarity: int, *, enable: int = 1) -> FilterDevice:
@@ -114,18 +113,3 @@ def test_reset_empties_it(name: str) -> None:
     device.set(s_valid=0)
     device.reset()
     assert (device.sim.io.m_valid, device.sim.io.idle) == (0, 1)
-
-
-@BOTH
-@pytest.mark.parametrize("parameters", [{}, {"X_W": 1, "Y_W": 1, "TICK_W": 1}, {"X_W": 16, "Y_W": 16, "TICK_W": 32}])
-def test_lints_clean(name: str, parameters: dict[str, int]) -> None:
-    assert lint(name, **parameters) == (0, "")
-
-
-@BOTH
-@pytest.mark.parametrize(("parameter", "most"), [("X_W", 16), ("Y_W", 16), ("TICK_W", 32)])
-def test_refuses_parameters_out_of_range(name: str, parameter: str, most: int) -> None:
-    for value in (0, most + 1):
-        code, log = lint(name, **{parameter: value})
-        assert code != 0
-        assert f"{parameter}_must_be_1_to_{most}" in log

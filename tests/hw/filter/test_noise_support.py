@@ -11,14 +11,11 @@ import pytest
 from evcot.filters.chain import FilterChain
 from evcot.filters.contract import FILTER_REGISTERS, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
-from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import compare_with_reference, filter_traffic
-from support.testing import lint
 from support.tokens import ticked
 
-TOP = "noise_support"
 ACTIVITY = 1 << Filter.ACTIVITY
 
 
@@ -124,23 +121,3 @@ class TestClocks:
         assert ends.sum() == 3
         assert waits[ends].tolist() == [1 + 49, 1 + 50, 1 + 51]
         assert set(waits[~ends]) == {1}
-
-
-@pytest.mark.parametrize("end", [0, 1], ids=["below", "above"])
-@pytest.mark.parametrize("name", ["x_w", "y_w", "tick_w"])
-def test_refuses_parameters_out_of_range(name: str, end: int) -> None:
-    low, high = SHAPE_RANGES[name][:2]
-    code, log = lint(TOP, **{"WIDTH": 5, "HEIGHT": 5, name.upper(): (low - 1, high + 1)[end]})
-    assert code != 0
-    assert f"{name.upper()}_must_be_{low}_to_{high}" in log
-
-
-@pytest.mark.parametrize(
-    "limits",
-    [
-        {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1},
-        {"X_W": 16, "Y_W": 16, "TICK_W": 32, "WIDTH": 65536, "HEIGHT": 256},
-    ],
-)
-def test_the_limits_themselves_lint_clean(limits: dict[str, int]) -> None:
-    assert lint(TOP, **limits) == (0, "")

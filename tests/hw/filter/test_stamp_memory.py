@@ -8,61 +8,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from evcot.filters.contract import FILTER_SHAPE_RANGES
-from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 from support.tokens import Token, TokenMemory
 
-FILTERS = ("filter_refractory", "filter_activity", "filter_decay")
 WIDTH, HEIGHT = 9, 6
 SQUARES = 3 * 2
-
-# Rules that a lower module breaks first.
-INSTEAD = {
-    ("width", 0): "_must_be_at_least_1",  # rows of the walk
-    ("height", 0): "WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24",
-}
-
-
-@pytest.mark.parametrize("end", [0, 1])
-@pytest.mark.parametrize("name", ["x_w", "y_w", "tick_w", "width", "height", "stamp_w"])
-@pytest.mark.parametrize("top", FILTERS)
-def test_filters_refuse_what_the_contract_refuses(top: str, name: str, end: int) -> None:
-    if top == "filter_decay" and name == "stamp_w":
-        pytest.skip("its stamps are as wide as its weights last")
-    limits = (SHAPE_RANGES | FILTER_SHAPE_RANGES)[name][:2]
-    code, log = lint(top, **{"WIDTH": 5, "HEIGHT": 5, name.upper(): limits[end] + (1 if end else -1)})
-    assert code != 0
-    assert INSTEAD.get((name, end), f"{name.upper()}_must_be_{limits[0]}_to_{limits[1]}") in log
-
-
-@pytest.mark.parametrize("top", [*FILTERS, "stamp_memory"])
-def test_a_sensor_of_more_than_16_megapixels_is_refused(top: str) -> None:
-    code, log = lint(top, WIDTH=4097, HEIGHT=4096)
-    assert code != 0
-    assert "WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24" in log
-
-
-@pytest.mark.parametrize(
-    "limits",
-    [
-        {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1, "STAMP_W": 4},
-        {"X_W": 16, "Y_W": 16, "TICK_W": 32, "WIDTH": 65536, "HEIGHT": 256, "STAMP_W": 32},
-    ],
-)
-@pytest.mark.parametrize("top", FILTERS)
-def test_the_limits_themselves_lint_clean(top: str, limits: dict[str, int]) -> None:
-    if top == "filter_decay":
-        limits = {name: value for name, value in limits.items() if name != "STAMP_W"}
-    assert lint(top, **limits) == (0, "")
-
-
-@pytest.mark.parametrize("segment_w", [0, 19])
-def test_a_segment_must_leave_ages_to_tell(segment_w: int) -> None:
-    code, log = lint("stamp_memory", SEGMENT_W=segment_w)
-    assert code != 0
-    assert "SEGMENT_W_must_be_1_to_W_minus_2" in log
 
 
 class Wanted(NamedTuple):

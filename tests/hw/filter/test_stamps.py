@@ -46,11 +46,6 @@ def test_a_shifted_value_is_all_ones_where_it_has_too_many_bits(in_w: int, out_w
         assert sim.io.y == min(value >> shift, (1 << out_w) - 1)
 
 
-@pytest.mark.parametrize("tick_w", [1, 15, 16, 32])
-def test_lints_clean(tick_w: int) -> None:
-    assert lint("stamp_units", TICK_W=tick_w) == (0, "")
-
-
 DEPTH = 5  # stages from `read` to `age`
 WORD_W = 9
 
@@ -90,11 +85,6 @@ def test_every_slot_sees_all_writes_ahead_of_it(rows: int, some: list[int], stal
             checked += 1
         sim.clock.tick()
     assert checked > 0.9 * n
-
-
-@pytest.mark.parametrize("rows", [1, 2048, 2049, 57_600])
-def test_stamp_bank_lints_clean(rows: int) -> None:
-    assert lint("stamp_bank", ROWS=rows, ROW_W=max(1, (rows - 1).bit_length())) == (0, "")
 
 
 TOP = "stamp_slots"
@@ -166,11 +156,6 @@ def random_tokens(count: int, most: int) -> list[Token]:
         (int(rng.integers(most)), bool(rng.random() < 0.7), int(rng.integers(ROWS)), int(rng.integers(1 << DATA_W)))
         for _ in range(count)
     ]
-
-
-@pytest.mark.parametrize("parameters", [{}, {"ROWS": 1, "ROW_W": 1, "STEP_W": 1}, {"STAMP_W": 32, "STEP_W": 32, "DATA_W": 64}])
-def test_stamp_slots_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint(TOP, **parameters) == (0, "")
 
 
 def test_after_reset_every_row_is_cleared_once_before_a_token_is_taken() -> None:
@@ -306,11 +291,6 @@ class Line:
                 assert apart == (then[1] - slot.other) % (2 << OTHER_W)
                 self.compared += 1
         self.last[slot.place] = slot.time, slot.other
-
-
-def test_stamp_line_lints_clean() -> None:
-    assert lint(STAMP_LINE_TOP) == (0, "")
-    assert lint(STAMP_LINE_TOP, PLACES=1, PLACE_W=1, OTHER_W=1, ROWS=1, ROW_W=1, STAMP_W=4, SEGMENT_W=2) == (0, "")
 
 
 @pytest.mark.parametrize(("steps", "places", "freely"), [(1, 3, 1.0), (4, PLACES, 1.0), (4, PLACES, 0.6), (40, PLACES, 1.0)])

@@ -13,21 +13,8 @@ from evcot.errors import ConfigError
 from evcot.hardware.lfsr import TAPS, WIDTH_MAX, WIDTH_MIN, Lfsr
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 WIDTHS = [2, 16, 64]
-
-
-@pytest.mark.parametrize("width", range(WIDTH_MIN, WIDTH_MAX + 1))
-def test_every_width_lints_clean(width: int) -> None:
-    assert lint("lfsr", WIDTH=width) == (0, "")
-
-
-@pytest.mark.parametrize("width", [WIDTH_MIN - 1, WIDTH_MAX + 1])
-def test_refuses_a_width_without_taps(width: int) -> None:
-    code, log = lint("lfsr", WIDTH=width)
-    assert code != 0
-    assert "WIDTH_must_be_2_to_64" in log
 
 
 @pytest.mark.parametrize("width", [2, 16])

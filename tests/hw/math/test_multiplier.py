@@ -12,7 +12,6 @@ from pyverilator import PyVerilator
 
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import copy_rtl, verilog_dir
-from support.testing import lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "multiplier.v"
 WIDTHS = {"A_W": 18, "B_W": 15}
@@ -85,15 +84,3 @@ def test_a_wrong_cell_is_noticed(tmp_path: Path, right: str) -> None:
     assert text.count(right) == 1
     folder = with_cells(tmp_path / "rtl", text.replace(right, wrong))
     assert differences(load("multiplier", WIDTHS, verilog=folder)) > 100
-
-
-@pytest.mark.parametrize(("a_w", "b_w"), [(1, 1), (18, 15), (30, 5)])
-def test_lints_clean(a_w: int, b_w: int) -> None:
-    assert lint("multiplier", A_W=a_w, B_W=b_w) == (0, "")
-
-
-@pytest.mark.parametrize("parameter", ["A_W", "B_W"])
-def test_refuses_zero(parameter: str) -> None:
-    code, log = lint("multiplier", **{parameter: 0})
-    assert code != 0
-    assert f"{parameter}_must_be_at_least_1" in log

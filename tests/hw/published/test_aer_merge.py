@@ -12,30 +12,9 @@ from pyverilator import PyVerilator
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
 from support.published_text import library_line
-from support.testing import lint
 
 TOP = "aer_merge"
 N, W = 3, 8
-
-
-@pytest.mark.parametrize("n", [1, 2, 3, 64])
-def test_lints_clean(n: int) -> None:
-    assert lint(TOP, N=n) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"N": 0}, "N_must_be_1_to_64"),
-        ({"N": 65}, "N_must_be_1_to_64"),
-        ({"W": 0}, "W_must_be_at_least_1"),
-        ({"INDEX_W": 3}, "INDEX_W_must_be_left_at_its_default"),
-    ],
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.fixture
@@ -115,26 +94,6 @@ def test_random_partners_of_any_speed(sim: PyVerilator, seed: int) -> None:
 
 
 PUBLISHED_LINE_TOP = "published_line"
-
-
-@pytest.mark.parametrize("n", [1, 2, 8, 64])
-def test_published_line_lints_clean(n: int) -> None:
-    assert lint(PUBLISHED_LINE_TOP, N=n) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"N": 0}, "N_must_be_1_to_64"),
-        ({"N": 65}, "N_must_be_1_to_64"),
-        ({"W": 0}, "W_must_be_at_least_1"),
-        ({"INDEX_W": 4}, "INDEX_W_must_be_left_at_its_default"),
-    ],
-)
-def test_published_line_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(PUBLISHED_LINE_TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.fixture

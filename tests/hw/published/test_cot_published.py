@@ -19,11 +19,6 @@ from evcot.hardware.published.model import REGISTERS, PublishedConfig, Published
 from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, play, quiet, rtl
 from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, every, n_evs, noise, one, reset_tracker, some_registers, wandering
-from support.testing import lint
-
-
-def test_lints_clean() -> None:
-    assert lint(TRACKER.module) == (0, "")
 
 
 def requests(n: int, *clocks: int, high: int = 100, low: int = 100) -> NDArray[np.void]:

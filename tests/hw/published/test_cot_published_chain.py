@@ -15,20 +15,8 @@ from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, Publi
 from evcot_cosim.devices.published_device import CASCADE, LIBRARY, Top, at, equal, play, quiet, reset_cascade, rtl, simulation
 from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, n_evs, noise, some_registers, wandering
-from support.testing import lint
 
 TOPS = pytest.mark.parametrize("top", [CASCADE, LIBRARY], ids=["cascade", "library"])
-
-
-@pytest.mark.parametrize("library_line", [0, 1])
-def test_lints_clean(library_line: int) -> None:
-    assert lint(CASCADE.module, LIBRARY_LINE=library_line) == (0, "")
-
-
-def test_refuses_another_line() -> None:
-    code, log = lint(CASCADE.module, LIBRARY_LINE=2)
-    assert code != 0
-    assert "LIBRARY_LINE_must_be_0_or_1" in log
 
 
 class TestClocks:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from evcot_cosim.devices.base import HardwareError
 from support.aer_device import STEPS_PER_CLOCK, AerDevice, Chip
 from support.stream_device import random_pattern
-from support.testing import broken_copy, lint
+from support.testing import broken_copy
 
 TOP = "aer_in"
 
@@ -79,28 +79,6 @@ def check(device: AerDevice, sent: Words, chip: Chip, seed: int, pattern: NDArra
     assert (io.n_events, io.n_outside, io.n_rowless) == (len(sent.events), sent.n_outside, sent.n_rowless)
     assert io.idle == 1
     return run.clocks / len(sent.words)
-
-
-@pytest.mark.parametrize("shape", [*SHAPES, (16, 16, 65536, 65536, 4)])
-def test_lints_clean(shape: tuple[int, ...]) -> None:
-    assert lint(TOP, **dict(zip(("X_W", "Y_W", "WIDTH", "HEIGHT", "SYNC"), shape, strict=True))) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"SYNC": 1}, "STAGES_must_be_2_to_4"),
-        ({"SYNC": 5}, "STAGES_must_be_2_to_4"),
-        ({"WIDTH": 513}, "WIDTH_must_be_1_to_2_to_the_X_W"),
-        ({"HEIGHT": 0}, "HEIGHT_must_be_1_to_2_to_the_Y_W"),
-        ({"AER_W": 18}, "AER_W_must_be_left_at_its_default"),
-        ({"T_W": 0}, "T_W_must_be_at_least_1"),
-    ],
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.mark.parametrize("active_low", [0, 1])

@@ -13,7 +13,7 @@ from evcot_cosim.devices.base import HardwareError, reset
 from evcot_cosim.rtl.build import load
 from support.aer_device import AerDevice, Chip
 from support.stream_device import random_pattern
-from support.testing import broken_copy, lint
+from support.testing import broken_copy
 
 TOP = "aer_out"
 
@@ -51,27 +51,6 @@ def check(
     assert np.array_equal(run.out.astype(np.int64), packed(words, shape)), "words lost or changed"
     assert device.sim.io.idle == 1
     return run.clocks / len(words)
-
-
-@pytest.mark.parametrize("shape", [*SHAPES, (16, 16, 6, 255, 2)])
-def test_lints_clean(shape: tuple[int, ...]) -> None:
-    assert lint(TOP, **dict(zip(("X_W", "Y_W", "SLOT_W", "SETUP", "SYNC"), shape, strict=True))) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"SETUP": 0}, "SETUP_must_be_1_to_255"),
-        ({"SETUP": 256}, "SETUP_must_be_1_to_255"),
-        ({"SYNC": 1}, "STAGES_must_be_2_to_4"),
-        ({"AER_W": 10}, "AER_W_must_be_left_at_its_default"),
-        ({"SLOT_W": 0}, "SLOT_W_must_be_at_least_1"),
-    ],
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.mark.parametrize("active_low", [0, 1])

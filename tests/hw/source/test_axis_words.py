@@ -8,7 +8,6 @@ import pytest
 from numpy.typing import NDArray
 
 from support.stream_device import Bundle, StreamDevice, random_stalls
-from support.testing import lint
 
 TOP = "axis_words"
 # data_w, word_w
@@ -48,26 +47,6 @@ def swapped(word: int, word_w: int) -> int:
     unit = min(word_w, 32) // 8
     given = word.to_bytes(word_w // 8, "little")
     return int.from_bytes(b"".join(given[at : at + unit][::-1] for at in range(0, len(given), unit)), "little")
-
-
-@pytest.mark.parametrize(("data_w", "word_w"), [*SHAPES, (32, 32), (64, 64), (32, 16)])
-def test_lints_clean(data_w: int, word_w: int) -> None:
-    assert lint(TOP, DATA_W=data_w, WORD_W=word_w) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"DATA_W": 16, "WORD_W": 64}, "DATA_W_must_be_at_least_half_of_WORD_W"),
-        ({"DATA_W": 128}, "DATA_W_must_be_16_32_or_64"),
-        ({"DATA_W": 16, "WORD_W": 8}, "WORD_W_must_be_16_32_or_64"),
-        ({"COUNT_W": 65}, "COUNT_W_must_be_8_to_64"),
-    ],
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.mark.parametrize("shape", SHAPES)

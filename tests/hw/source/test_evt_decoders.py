@@ -33,7 +33,6 @@ from support.evt import (
     random_events,
 )
 from support.stream_device import StreamDevice, random_stalls
-from support.testing import lint
 
 Sized = tuple[int, int, int, int, int, int]  # DATA_W, T_W, X_W, Y_W, WIDTH, HEIGHT
 NAMES = ("DATA_W", "T_W", "X_W", "Y_W", "WIDTH", "HEIGHT")
@@ -106,18 +105,6 @@ EVT3 = Format(
 )  # fmt: skip
 FORMATS = (EVT2, EVT21, EVT3)
 EACH = [pytest.param(one, shape, id=f"{one.top}, {shape[0]}") for one in FORMATS for shape in one.shapes]
-
-
-@pytest.mark.parametrize(("one", "shape"), [*EACH, *((one, (one.shapes[2][0], 48, 1, 1, 1, 2)) for one in FORMATS)])
-def test_lints_clean(one: Format, shape: Sized) -> None:
-    assert lint(one.top, **dict(zip(NAMES, shape, strict=True))) == (0, "")
-
-
-@pytest.mark.parametrize(("one", "parameters", "rule"), [(one, *refused) for one in FORMATS for refused in one.refused])
-def test_refuses_parameters(one: Format, parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(one.top, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 class TestEvt2:

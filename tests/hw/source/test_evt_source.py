@@ -17,7 +17,6 @@ from evcot.recordings.formats.evt3 import evt3_layout
 from evcot.recordings.formats.words import Layout, WordArray
 from support.evt import STREAMS, axis_beats, corrupted, decode, evt2_words, evt_device, payload, random_events
 from support.stream_device import Bundle, StreamDevice, random_stalls
-from support.testing import lint
 
 TOP = "evt_source"
 WIDTH, HEIGHT = 20, 10
@@ -46,18 +45,6 @@ FORMATS = {
     "2.1": Format(4, lambda events, _: evt2_words(events, vectors=True), evt21_layout(0, upper_first=False)),
     "3.0": Format(5, evt3_words, evt3_layout(0)),
 }
-
-
-@pytest.mark.parametrize("number", [3, 4, 5])
-def test_lints_clean(number: int) -> None:
-    assert lint(TOP, FORMAT=number) == (0, "")
-
-
-@pytest.mark.parametrize("number", [2, 6])
-def test_refuses_other_formats(number: int) -> None:
-    code, log = lint(TOP, FORMAT=number)
-    assert code != 0
-    assert "FORMAT_must_be_EVT2_EVT21_or_EVT3" in log
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -95,27 +82,6 @@ def device_of(bits: int, width: int, height: int, x_w: int, y_w: int) -> StreamD
     parameters = {"L": bits, "WIDTH": width, "HEIGHT": height, "X_W": x_w, "Y_W": y_w}
     inputs, outputs = [Bundle("s_", FIELDS)], [Bundle("m_", FIELDS[:4])]
     return StreamDevice(EVENT_VECTOR_TOP, parameters, inputs=inputs, outputs=outputs, has_idle=True)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_event_vector_lints_clean(shape: tuple[int, int, int, int, int]) -> None:
-    assert lint(EVENT_VECTOR_TOP, **dict(zip(("L", "WIDTH", "HEIGHT", "X_W", "Y_W"), shape, strict=True))) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"L": 33}, "L_must_be_1_to_32"),
-        ({"X_W": 12}, "X_W_must_be_1_to_11"),
-        ({"Y_W": 0, "HEIGHT": 1}, "Y_W_must_be_1_to_11"),
-        ({"WIDTH": 2049}, "WIDTH_must_be_1_to_2_to_the_X_W"),
-        ({"HEIGHT": 0}, "HEIGHT_must_be_1_to_2_to_the_Y_W"),
-    ],
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(EVENT_VECTOR_TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.mark.parametrize("shape", SHAPES)

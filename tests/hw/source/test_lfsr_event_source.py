@@ -10,7 +10,7 @@ from pyverilator import PyVerilator
 from evcot.hardware.lfsr_event_source import LfsrEventSource
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import PATTERNS, Sink, Word, always, lint, run_streams
+from support.testing import PATTERNS, Sink, Word, always, run_streams
 
 FIELDS = ["x", "y", "p"]
 TWINS = {
@@ -50,29 +50,6 @@ def collect(sim: PyVerilator, sink: Sink, count: int) -> None:
         sim.io.enable = int(len(sink.words) < count)
 
     run_streams(sim, [], [sink], quiet_clocks=200, on_clock=close)
-
-
-@pytest.mark.parametrize(
-    "parameters", [{}, {"X_W": 1, "Y_W": 1, "GAP_W": 1, "LFSR_W": 3}, {"X_W": 11, "Y_W": 10, "GAP_W": 32, "LFSR_W": 64}]
-)
-def test_lints_clean(parameters: dict[str, int]) -> None:
-    assert lint("lfsr_event_source", **parameters) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"X_W": 0}, "X_W_must_be_at_least_1"),
-        ({"Y_W": 0}, "Y_W_must_be_at_least_1"),
-        ({"GAP_W": 0}, "GAP_W_must_be_at_least_1"),
-        ({"LFSR_W": 18}, "LFSR_W_must_exceed_X_W_plus_Y_W"),
-        ({"LFSR_W": 65}, "WIDTH_must_be_2_to_64"),
-    ],
-)
-def test_refuses(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint("lfsr_event_source", **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.mark.parametrize("name", TWINS)

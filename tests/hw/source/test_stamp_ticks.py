@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from evcot.ticks import tick_times
 from support.stream_device import Bundle, StreamDevice, random_stalls
-from support.testing import lint
 
 TOP = "stamp_ticks"
 EVENTS = Bundle("s_", ("t", "x", "y", "p"))
@@ -32,26 +31,6 @@ def stamped(device: StreamDevice, times: list[int]) -> list[int]:
     """The ticks of events at these times, from reset."""
     device.reset()
     return [int(tick) for tick in device.run({"s_": [[t, 1, 2, 1] for t in times]}).words["m_"][:, 0]]
-
-
-@pytest.mark.parametrize("t_w", [32, 48, 64])
-@pytest.mark.parametrize("divides", [0, 1])
-def test_lints_clean(t_w: int, divides: int) -> None:
-    assert lint(TOP, T_W=t_w, DIVIDES=divides) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"T_W": 31}, "T_W_must_be_32_to_64"),
-        ({"DIVIDES": 2}, "DIVIDES_must_be_0_or_1"),
-        ({"COUNT_W": 1}, "COUNT_W_must_be_8_to_64"),
-    ],
-)
-def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 class TestStories:

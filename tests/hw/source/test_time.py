@@ -12,20 +12,7 @@ from evcot.recordings.formats.words import advance
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
 from support.stream_device import StreamDevice, random_stalls
-from support.testing import lint
 from support.tokens import TOKENS_IN, TOKENS_OUT
-
-
-@pytest.mark.parametrize("w", [1, 40])
-def test_lints_clean(w: int) -> None:
-    assert lint("clock_us", PRESCALE_W=w, T_W=w) == (0, "")
-
-
-@pytest.mark.parametrize("parameter", ["T_W", "PRESCALE_W"])
-def test_refuses_zero(parameter: str) -> None:
-    code, log = lint("clock_us", **{parameter: 0})
-    assert code != 0
-    assert "W_must_be_at_least_1" in log
 
 
 def test_microseconds() -> None:
@@ -44,20 +31,6 @@ def test_microseconds() -> None:
 
 
 TOP = "time_mark"
-
-
-@pytest.mark.parametrize(("mark_w", "high_w"), [(2, 3), (12, 36), (28, 42), (28, 58)])
-def test_time_mark_lints_clean(mark_w: int, high_w: int) -> None:
-    assert lint(TOP, MARK_W=mark_w, HIGH_W=high_w) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("mark_w", "high_w", "rule"), [(1, 9, "MARK_W_must_be_at_least_2"), (9, 9, "HIGH_W_must_exceed_MARK_W")]
-)
-def test_refuses_parameters(mark_w: int, high_w: int, rule: str) -> None:
-    code, log = lint(TOP, MARK_W=mark_w, HIGH_W=high_w)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.mark.parametrize("mark_w", [3, 12])
@@ -88,17 +61,6 @@ def pulses(sim: PyVerilator, clocks: int) -> list[int]:
             seen.append(clock)
         sim.clock.tick()
     return seen
-
-
-@pytest.mark.parametrize("w", [1, 16, 40])
-def test_prescaler_lints_clean(w: int) -> None:
-    assert lint("prescaler", W=w) == (0, "")
-
-
-def test_prescaler_refuses_zero() -> None:
-    code, log = lint("prescaler", W=0)
-    assert code != 0
-    assert "W_must_be_at_least_1" in log
 
 
 @pytest.mark.parametrize("period", [1, 2, 7, 15])
@@ -153,26 +115,6 @@ def test_what_does_not_fit_goes_ahead_in_halves() -> None:
     assert run.words["m_"][:, :3].tolist() == [
         [255, 1, 0], [128, 0, 0], [128, 1, 0], [128, 0, 0], [128, 0, 0], [128, 0, 0], [136, 0, 1],
     ]  # fmt: skip
-
-
-@pytest.mark.parametrize(("wide_w", "tick_w"), [(48, 20), (20, 20), (1, 1), (64, 32), (33, 32)])
-def test_tick_splitter_lints_clean(wide_w: int, tick_w: int) -> None:
-    assert lint(TICK_SPLITTER_TOP, WIDE_W=wide_w, TICK_W=tick_w) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"WIDE_W": 19}, "WIDE_W_must_be_at_least_TICK_W"),
-        ({"TICK_W": 33}, "TICK_W_must_be_1_to_32"),
-        ({"X_W": 0}, "X_W_must_be_1_to_16"),
-        ({"Y_W": 17}, "Y_W_must_be_1_to_16"),
-    ],
-)
-def test_tick_splitter_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TICK_SPLITTER_TOP, **parameters)
-    assert code != 0
-    assert rule in log
 
 
 @pytest.mark.parametrize(("wide_w", "tick_w"), [(20, 20), (12, 1), (48, 32)])

@@ -16,7 +16,6 @@ from evcot.errors import ToolchainError
 from evcot_cosim.fpga import tools
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import copy_rtl, rtl_files, verilog_dir
-from support.testing import lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
 
@@ -153,15 +152,3 @@ def netlist(folder: Path, body: str | None, bits: int, depth: int) -> dict[str, 
     modules = json.loads((folder / "netlist.json").read_text())["modules"]
     found: dict[str, dict[str, Any]] = modules["block_memory"]["cells"]
     return found
-
-
-@pytest.mark.parametrize("depth", [1, 5, 256])
-def test_lints_clean(depth: int) -> None:
-    assert lint("block_memory", W=9, DEPTH=depth) == (0, "")
-
-
-@pytest.mark.parametrize("parameter", ["W", "DEPTH"])
-def test_refuses_zero(parameter: str) -> None:
-    code, log = lint("block_memory", **{parameter: 0})
-    assert code != 0
-    assert f"{parameter}_must_be_at_least_1" in log

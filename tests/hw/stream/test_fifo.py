@@ -14,7 +14,7 @@ from pyverilator import PyVerilator
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files
-from support.testing import PATTERNS, Sink, Source, always, broken_copy, lint, run_streams
+from support.testing import PATTERNS, Sink, Source, always, broken_copy, run_streams
 
 DEPTHS = [1, 5]
 
@@ -34,24 +34,6 @@ def sim(depth: int, block: int) -> PyVerilator:
     sim = load("fifo", {"W": 8, "DEPTH": depth, "BLOCK": block})
     reset(sim)
     return sim
-
-
-@pytest.mark.parametrize(("w", "depth"), [(1, 1), (8, 2), (8, 5), (70, 16)])
-def test_lints_clean(w: int, depth: int, block: int) -> None:
-    assert lint("fifo", W=w, DEPTH=depth, BLOCK=block) == (0, "")
-
-
-@pytest.mark.parametrize("parameter", ["W", "DEPTH"])
-def test_refuses_zero(parameter: str) -> None:
-    code, log = lint("fifo", **{parameter: 0})
-    assert code != 0
-    assert f"{parameter}_must_be_at_least_1" in log
-
-
-def test_refuses_what_is_neither_kind_of_memory() -> None:
-    code, log = lint("fifo", BLOCK=2)
-    assert code != 0
-    assert "BLOCK_must_be_0_or_1" in log
 
 
 @pytest.mark.parametrize("block", [0], indirect=True)
@@ -137,17 +119,6 @@ def skid_buffer_sim() -> PyVerilator:
     return skid_buffer_sim
 
 
-@pytest.mark.parametrize("w", [1, 8, 200])
-def test_skid_buffer_lints_clean(w: int) -> None:
-    assert lint("skid_buffer", W=w) == (0, "")
-
-
-def test_refuses_a_word_without_bits() -> None:
-    code, log = lint("skid_buffer", W=0)
-    assert code != 0
-    assert "W_must_be_at_least_1" in log
-
-
 def test_skid_buffer_reset_empties_it(skid_buffer_sim: PyVerilator) -> None:
     skid_buffer_sim.clock.tick()
     skid_buffer_sim.io.s_valid, skid_buffer_sim.io.s_data = 1, 7
@@ -204,25 +175,6 @@ def run(folder: Path, file: Path | None = None, **parameters: int) -> str:
     command = ["iverilog", "-g2005", "-Wall", "-s", BENCH.stem, *given, "-o", folder / "bench", BENCH, *files]
     subprocess.run(command, check=True, capture_output=True)
     return subprocess.run([folder / "bench"], check=True, capture_output=True, text=True).stdout
-
-
-@pytest.mark.parametrize("depth_w", [2, 4, 9, 16])
-def test_async_fifo_lints_clean(depth_w: int) -> None:
-    assert lint(TOP, DEPTH_W=depth_w) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("given", "rule"),
-    [
-        ({"W": 0}, "W_must_be_at_least_1"),
-        ({"DEPTH_W": 1}, "DEPTH_W_must_be_2_to_16"),
-        ({"STAGES": 1}, "STAGES_must_be_2_to_4"),
-    ],
-)
-def test_refuses_parameters(given: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **given)
-    assert code != 0
-    assert rule in log
 
 
 @needs_icarus

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from support.stream_device import StreamDevice, random_stalls
-from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
+from support.testing import PATTERNS, Sink, Source, always, run_streams
 from support.tokens import TOKENS_IN, TOKENS_OUT, decode_tokens
 
 TOP = "overload_fifo"
@@ -36,27 +36,6 @@ def random_tokens(rng: np.random.Generator, n: int, tick_w: int) -> NDArray[np.u
     number = np.arange(n)
     columns = (tick, kind == 0, kind == 1, number & 0xFFFF, number >> 16, number & 1)
     return np.stack([np.asarray(column, np.uint64) for column in columns], axis=1)
-
-
-@pytest.mark.parametrize("shape", [*SHAPES, (256, 20, 21)])
-def test_lints_clean(shape: tuple[int, int, int]) -> None:
-    assert lint(TOP, **parameters(*shape)) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("given", "rule"),
-    [
-        ({"DEPTH": 0}, "DEPTH_must_be_at_least_1"),
-        ({"GAP_W": 20}, "GAP_W_must_exceed_TICK_W"),
-        ({"GAP_W": 49}, "GAP_W_must_be_at_most_48"),
-        ({"DEPTH": 60, "HELD_W": 6}, "HELD_W_must_hold_DEPTH_and_4_more"),
-        ({"COUNT_W": 65}, "COUNT_W_must_be_8_to_64"),
-    ],
-)
-def test_refuses_parameters(given: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **given)
-    assert code != 0
-    assert rule in log
 
 
 class TestStories:

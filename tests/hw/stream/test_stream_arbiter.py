@@ -11,7 +11,7 @@ from pyverilator import PyVerilator
 
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import PATTERNS, Sink, Source, Word, always, lint, run_streams
+from support.testing import PATTERNS, Sink, Source, Word, always, run_streams
 
 W = 12
 INDEX_SHIFT = 9
@@ -43,18 +43,6 @@ def arbiter(n: int) -> PyVerilator:
 
 def indices(sink: Sink) -> list[int]:
     return [word >> INDEX_SHIFT for (word,) in sink.words]
-
-
-@pytest.mark.parametrize(("n", "w"), [(1, 1), (2, 8), (5, 3), (64, 7)])
-def test_lints_clean(n: int, w: int) -> None:
-    assert lint("stream_arbiter", N=n, W=w) == (0, "")
-
-
-@pytest.mark.parametrize("parameter", ["N", "W"])
-def test_refuses_zero(parameter: str) -> None:
-    code, log = lint("stream_arbiter", **{parameter: 0})
-    assert code != 0
-    assert f"{parameter}_must_be_at_least_1" in log
 
 
 def test_waiting_streams_take_turns_a_word_every_clock() -> None:

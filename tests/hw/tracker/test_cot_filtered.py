@@ -22,7 +22,6 @@ from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import StreamTimes, build_device
 from support import moving
-from support.testing import lint
 from support.tokens import ticked
 from support.trials import bare_device, random_config, random_traffic
 
@@ -167,8 +166,3 @@ def test_a_single_tracker_has_no_filters_in_front() -> None:
     one = CotConfig.uniform(replace(SHAPE, n_slots=1), SLOT, module="cot")
     with pytest.raises(ConfigError, match="use cot_array with one slot"):
         replace(one, filters=FilterRegisters(enable=enable(Filter.POLARITY)), filter_shape=SENSOR)
-
-
-@pytest.mark.parametrize("tracker", [0, 1, 2])
-def test_lints_clean(tracker: int) -> None:
-    assert lint("cot_filtered", TRACKER=tracker) == (0, "")

@@ -19,7 +19,7 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
 from evcot_cosim.rtl.build import load
-from support.testing import evaluate, lint
+from support.testing import evaluate
 from support.tokens import ticked
 from support.trials import bare_device, random_config, random_traffic
 
@@ -46,27 +46,6 @@ def test_every_centre_and_radius(w: int, frac: int, r_w: int) -> None:
 def test_random_wide_centres(w: int, frac: int, r_w: int) -> None:
     rng = np.random.default_rng(w)
     check(rng.integers(0, 1 << w + frac, 50_000), rng.integers(0, 1 << r_w, 50_000), w, frac, r_w)
-
-
-@pytest.mark.parametrize(("w", "frac", "r_w"), [(1, 0, 1), (9, 4, 9), (16, 8, 13), (4, 1, 13)])
-def test_lints_clean(w: int, frac: int, r_w: int) -> None:
-    assert lint("cot_window", W=w, FRAC=frac, R_W=r_w) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"W": 0}, "W_must_be_1_to_16"),
-        ({"W": 17}, "W_must_be_1_to_16"),
-        ({"FRAC": 9}, "FRAC_must_be_0_to_8"),
-        ({"R_W": 0}, "R_W_must_be_1_to_13"),
-        ({"R_W": 14}, "R_W_must_be_1_to_13"),
-    ],
-)
-def test_refuses_parameters_out_of_range(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint("cot_window", **parameters)
-    assert code != 0
-    assert rule in log
 
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
@@ -189,34 +168,3 @@ def test_events_move_average_and_centre_and_window(w: int, frac: int, radix_w: i
             rings += beyond
     assert hits > 50
     assert min(moved, rings) > 50 or w == 1
-
-
-@pytest.mark.parametrize(("w", "frac", "radix_w"), [(1, 0, 1), (9, 4, 8), (16, 8, 12)])
-def test_cot_axis_lints_clean(w: int, frac: int, radix_w: int) -> None:
-    assert lint("cot_axis", W=w, FRAC=frac, RADIX_W=radix_w) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"W": 0}, "W_must_be_1_to_16"),
-        ({"W": 17}, "W_must_be_1_to_16"),
-        ({"FRAC": 9}, "FRAC_must_be_0_to_8"),
-    ],
-)
-def test_cot_axis_refuses_parameters_out_of_range(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint("cot_axis", **parameters)
-    assert code != 0
-    assert rule in log
-
-
-@pytest.mark.parametrize("kind", [0, 1, 2])
-def test_cot_tracker_lints_clean(kind: int) -> None:
-    assert lint("cot_tracker", TRACKER=kind, N=2) == (0, "")
-
-
-@pytest.mark.parametrize("kind", [-1, 3])
-def test_refuses_a_kind_that_is_none(kind: int) -> None:
-    code, log = lint("cot_tracker", TRACKER=kind)
-    assert code != 0
-    assert "TRACKER_must_be_0_to_2" in log

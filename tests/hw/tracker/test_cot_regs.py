@@ -10,7 +10,6 @@ from pyverilator import PyVerilator
 from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=6, radix_w=5, nev_w=4, tc_w=12)
 EARLY = ("init_cm_x", "init_cm_y", "radix_th", "radix_step", "radix_min", "radix_max", "hist_avg", "nev_th")
@@ -95,22 +94,3 @@ def test_reset_turns_every_slot_off_and_keeps_the_rest(sim: PyVerilator) -> None
     sim.clock.tick()
     for slot in range(SHAPE.n_slots):
         assert shown(sim, slot, slot) == dict.fromkeys(REGISTERS, 2) | {"mode": Mode.OFF}
-
-
-@pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (2, 1), (3, 2), (64, 6)])
-def test_lints_clean(n: int, slot_w: int) -> None:
-    assert lint("cot_regs", N=n, SLOT_W=slot_w) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"N": 0}, "N_must_be_1_to_64"),
-        ({"N": 65, "SLOT_W": 7}, "N_must_be_1_to_64"),
-        ({"N": 3, "SLOT_W": 1}, "SLOT_W_must_hold_N_slots"),
-    ],
-)
-def test_refuses_parameters_out_of_range(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint("cot_regs", **parameters)
-    assert code != 0
-    assert rule in log

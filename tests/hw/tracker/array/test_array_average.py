@@ -14,7 +14,6 @@ from pyverilator import PyVerilator
 
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 SLOTS = 3
 
@@ -93,20 +92,6 @@ def test_random_events_of_several_slots(a_w: int, frac: int, k_max: int) -> None
     assert forwarded > 800
 
 
-@pytest.mark.parametrize(("a_w", "frac"), [(1, 0), (9, 4), (16, 8)])
-def test_lints_clean(a_w: int, frac: int) -> None:
-    assert lint("array_average", A_W=a_w, FRAC=frac) == (0, "")
-
-
-@pytest.mark.parametrize(
-    ("parameter", "value", "rule"), [("A_W", 17, "A_W_must_be_1_to_16"), ("FRAC", 9, "FRAC_must_be_0_to_8")]
-)
-def test_refuses_parameters_out_of_range(parameter: str, value: int, rule: str) -> None:
-    code, log = lint("array_average", **{parameter: value})
-    assert code != 0
-    assert rule in log
-
-
 TC_W, TIME_W, LIFE_W, SLOT_W = 6, 16, 8, 3
 PARAMETERS = {"TC_W": TC_W, "TIME_W": TIME_W, "LIFE_W": LIFE_W, "CLOCK_W": TIME_W, "SLOT_W": SLOT_W}
 HALF = 1 << LIFE_W - 1  # times are less than this apart
@@ -150,11 +135,6 @@ def survey(sim: PyVerilator, slots: list[Slot]) -> None:
     walk(sim, slots, "survey", "max_ticks")
     walk(sim, slots, grants="detect_ticks")
     sim.io.surveys = 0
-
-
-def test_array_lives_lints_clean() -> None:
-    assert lint("array_lives") == (0, "")
-    assert lint("array_lives", **PARAMETERS) == (0, "")
 
 
 def test_random_slots() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import evaluate, lint
+from support.testing import evaluate
 
 PORTS = ("not_left", "not_right", "not_above", "not_below", "counts")
 
@@ -22,11 +22,6 @@ def test_every_combination_in_every_bit() -> None:
     assert result.tolist() == [1 << every.tolist().index([1, 1, 1, 1, 1])]
 
 
-def test_lints_clean() -> None:
-    assert lint("array_hits", N=1) == (0, "")
-    assert lint("array_hits", N=64) == (0, "")
-
-
 def test_a_value_comes_a_clock_later() -> None:
     sim = load("array_copy", {"W": 6})
     for value in np.random.default_rng(1).integers(0, 64, 20).tolist():
@@ -35,11 +30,6 @@ def test_a_value_comes_a_clock_later() -> None:
         assert sim.io.m == before
         sim.clock.tick()
         assert sim.io.m == value
-
-
-@pytest.mark.parametrize("width", [1, 6])
-def test_array_copy_lints_clean(width: int) -> None:
-    assert lint("array_copy", W=width) == (0, "")
 
 
 W = 9
@@ -57,11 +47,6 @@ def test_random_words(by: int) -> None:
     assert result.tolist() == (((a >> by | b >> by | c >> by) & mask) * wanted).tolist()
 
 
-def test_array_products_lints_clean() -> None:
-    assert lint("array_products", W=1) == (0, "")
-    assert lint("array_products") == (0, "")
-
-
 WORDS = ["a", "b", "c", "d", "e"]
 
 
@@ -76,11 +61,6 @@ def test_array_or_random_words(width: int) -> None:
 def test_every_word_counts(word: str) -> None:
     ports = {name: np.array([0b1011 if name == word else 0]) for name in WORDS}
     assert evaluate("array_or", {"W": 4}, ports, ["y"])["y"].tolist() == [0b1011]
-
-
-def test_array_or_lints_clean() -> None:
-    assert lint("array_or", W=1) == (0, "")
-    assert lint("array_or") == (0, "")
 
 
 @pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (5, 3), (8, 3), (12, 4)])
@@ -105,11 +85,6 @@ def test_each_bit_with_others_above_it(n: int) -> None:
     np.testing.assert_array_equal(result["lowest"], place)
 
 
-@pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (21, 5), (64, 6)])
-def test_array_lowest_lints_clean(n: int, slot_w: int) -> None:
-    assert lint("array_lowest", N=n, SLOT_W=slot_w) == (0, "")
-
-
 @pytest.mark.parametrize(("w", "copy"), [(14, 0), (5, 1), (25, 1), (2, 0)])
 def test_every_k(w: int, copy: int) -> None:
     sim = load("array_shift", {"W": w, "COPY": copy})
@@ -128,8 +103,3 @@ def test_every_k(w: int, copy: int) -> None:
             value = a | b | c
             signed = value - (value >> w - 1 << w)
             assert io.evenly == ((signed << 1) >> k - k % 2) % (2 << w), (k, signed)
-
-
-@pytest.mark.parametrize(("w", "copy"), [(2, 0), (14, 1), (25, 0)])
-def test_array_shift_lints_clean(w: int, copy: int) -> None:
-    assert lint("array_shift", W=w, COPY=copy) == (0, "")

@@ -12,7 +12,6 @@ from pyverilator import PyVerilator
 
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 N, SIDE = 6, 32  # slots; addresses on an axis
 Window = tuple[int, int, int, int]  # lo_x, hi_x, lo_y, hi_y
@@ -135,8 +134,3 @@ def test_reset_leaves_no_window(far: int) -> None:
     for _ in range(1 + far):
         sim.clock.tick()
     assert (io.d_active, io.d_other, io.d_free, io.active) == (0, 0, 0, 0)
-
-
-@pytest.mark.parametrize(("n", "slot_w", "far"), [(1, 1, 0), (8, 3, 0), (8, 3, 1), (64, 6, 1)])
-def test_lints_clean(n: int, slot_w: int, far: int) -> None:
-    assert lint("array_match", N=n, SLOT_W=slot_w, FAR=far) == (0, "")

@@ -20,7 +20,7 @@ from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga import tools
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files, verilog_dir
-from support.testing import PATTERNS, Sink, Source, Word, always, evaluate, lint, run_streams
+from support.testing import PATTERNS, Sink, Source, Word, always, evaluate, run_streams
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 8, 64])
@@ -70,11 +70,6 @@ def test_reset_begins_with_the_slots_in_order() -> None:
         assert io.second_first == 1
 
 
-@pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (3, 2), (64, 6)])
-def test_lints_clean(n: int, slot_w: int) -> None:
-    assert lint("array_order", N=n, SLOT_W=slot_w) == (0, "")
-
-
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "array_sum.v"
 
 
@@ -117,11 +112,6 @@ def prove(folder: Path, body: str, w: int, round_up: int) -> None:
     script += [f"design -copy-from {name} {name}" for name in ("plain", "cells")]
     script += ["miter -equiv -flatten -make_assert plain cells pair", "sat -verify -prove-asserts pair"]
     tools.yosys(script, folder)
-
-
-def test_array_sum_lints_clean() -> None:
-    assert lint("array_sum", W=1, ROUND=0) == (0, "")
-    assert lint("array_sum") == (0, "")
 
 
 SUP_W = 5
@@ -184,11 +174,6 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int, means: int) -> None:
         clock()
         assert io.done == 1
     assert 5 < saturated < 55
-
-
-@pytest.mark.parametrize(("pos_x", "pos_y"), [(13, 13), (24, 5), (4, 6)])
-def test_array_merge_lints_clean(pos_x: int, pos_y: int) -> None:
-    assert lint("array_merge", POS_X=pos_x, POS_Y=pos_y) == (0, "")
 
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
@@ -256,11 +241,6 @@ def test_three_clocks_through_and_a_token_every_clock_until_all_places_are_taken
         sim.clock.tick()
     assert valid == [0] * 3 + [1] * PLACES + [0] * (21 - PLACES)
     assert ready == [1] * PLACES + [0] * (24 - PLACES)
-
-
-@pytest.mark.parametrize("tick_w", [1, 32])
-def test_array_input_lints_clean(tick_w: int) -> None:
-    assert lint("array_input", TICK_W=tick_w) == (0, "")
 
 
 OWNED, PASSED = ["slot", "x", "y", "p", "seq"], ["x", "y", "p", "seq"]
@@ -336,8 +316,3 @@ def test_without_being_asked_eight_more_find_a_place(sim: PyVerilator) -> None:
     sink = Sink(sim, "m_own", OWNED, always())
     run_streams(sim, [], [sink])
     assert [word[-1] for word in sink.words] == list(range(sent))
-
-
-@pytest.mark.parametrize(("x_w", "rel_w", "slot_w"), [(1, 3, 1), (9, 10, 3), (16, 4, 6)])
-def test_array_output_lints_clean(x_w: int, rel_w: int, slot_w: int) -> None:
-    assert lint("array_output", X_W=x_w, Y_W=x_w, REL_W=rel_w, SLOT_W=slot_w) == (0, "")

@@ -16,7 +16,6 @@ from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 N, LIFE_W = 3, 8
 SHAPE = Shape(n_slots=N, x_w=7, y_w=6, frac=4, radix_w=5, nev_w=4, tc_w=6, sup_w=4, id_w=8)
@@ -308,11 +307,6 @@ def traffic(lockstep: Lockstep, rng: np.random.Generator, count: int) -> Iterato
             spread = int(rng.choice([2, 8]))
             x, y = (int(np.clip(p + rng.integers(-spread, spread + 1), 0, top)) for p, top in ((px, 127), (py, 63)))
             yield Item("event", slot, x, y, ticks=int(rng.choice([0, 1, 3, 40])))
-
-
-@pytest.mark.parametrize("far", [0, 1])
-def test_lints_clean(far: int) -> None:
-    assert lint("array_update", FAR=far) == (0, "")
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -260,35 +260,7 @@ def test_longest_wait_of_an_event() -> None:
     assert longest <= 256
 
 
-@pytest.mark.parametrize(
-    ("parameter", "rule"),
-    [
-        ("N=65", "N_must_be_1_to_64"),
-        ("X_W=17", "X_W_must_be_1_to_16"),
-        ("Y_W=0", "Y_W_must_be_1_to_16"),
-        ("TICK_W=33", "TICK_W_must_be_1_to_32"),
-        ("RADIX_W=13", "RADIX_W_must_be_1_to_12"),
-        ("SUP_W=33", "SUP_W_must_be_1_to_32"),
-        ("ID_W=0", "ID_W_must_be_1_to_32"),
-        ("SEQ_W=7", "SEQ_W_must_be_8_to_48"),
-        ("TIME_W=31", "TIME_W_must_be_32_to_48"),
-        ("SLOT_W=4", "SLOT_W_must_be_left_at_its_default"),
-        ("SIDE_W=24", "SIDE_W_must_be_left_at_its_default"),
-    ],
-)
-def test_refused_parameters(parameter: str, rule: str) -> None:
-    name, value = parameter.split("=")
-    code, said = lint("cot_motion", **{name: int(value)})
-    assert code != 0
-    assert rule in said
-
-
 def test_time_must_be_wider_than_a_tick() -> None:
     assert "TIME_W_must_be_more_than_TICK_W" in lint("cot_motion", TIME_W=32, TICK_W=32)[1]
     with pytest.raises(ConfigError, match=r"^shape.time_w = 32: must be more than tick_w = 32 for cot_motion$"):
         MotionConfig(Shape(time_w=32, tick_w=32, tc_w=22))
-
-
-@pytest.mark.parametrize("n", [1, 5, 64])
-def test_lint(n: int) -> None:
-    assert lint("cot_motion", N=n) == (0, "")

@@ -9,7 +9,6 @@ import numpy as np
 
 from evcot_cosim.rtl.build import load
 from support.slow_motion import PX, Seen, pixel
-from support.testing import lint
 
 AT_W, SIDE_W, REL_W, SLOTS = 7, 25, 10, 4
 SEEN, SHOWN, BINNED = 2, 3, 4  # clocks from the slot's number to rel, to the sides, to the bin
@@ -147,7 +146,3 @@ def test_random_events_and_effects() -> None:
         io.set_bins = 0
     assert beyond == {0, 1, 2, 3}
     assert bins == {None, *range(16)}
-
-
-def test_lint() -> None:
-    assert lint("motion_axis") == (0, "")

@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 BIN_W, PLACE_W = 6, 3
 PLACES, WRITTEN_AFTER = 1 << PLACE_W, 4
@@ -54,7 +53,3 @@ def test_random_events() -> None:
     assert {1, 2, 3, 4, 5} <= distances
     assert dropped > 50
     assert wrapped > 10
-
-
-def test_lint() -> None:
-    assert lint("motion_bins") == (0, "")

@@ -7,7 +7,6 @@ import numpy as np
 
 from evcot_cosim.rtl.build import load
 from support.slow_motion import PX
-from support.testing import lint
 
 SIDE_W = 25
 
@@ -47,7 +46,3 @@ def test_random_candidates() -> None:
             lacks[next(name for name, is_wrong in wrong.items() if is_wrong)] += 1
     assert min(seen.values()) > 100
     assert min(lacks.values()) > 5
-
-
-def test_lint() -> None:
-    assert lint("motion_birth") == (0, "")

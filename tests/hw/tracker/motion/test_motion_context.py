@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 SIDE_W, PX_W, REL_W, SUP_W, ID_W = 20, 9, 6, 8, 7
 EFFECT = ("state", "moves", "marks", "hidden", "middle", "n_ev")
@@ -106,8 +105,3 @@ def test_random_slots(slot_w: int) -> None:
                     assert int(getattr(io, f"e_{name}")) == has["finish", effect_of, name], name
                 apart += len({*asked[-2][:3]}) > 1 and asked[-1] != asked[-2]
     assert min(apart, starts_read) > 100
-
-
-def test_lint() -> None:
-    assert lint("motion_context") == (0, "")
-    assert lint("motion_context", SLOT_W=1) == (0, "")

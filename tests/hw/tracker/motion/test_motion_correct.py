@@ -11,7 +11,6 @@ import pytest
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.motion_control import Control, Said
-from support.testing import lint
 
 SLOT_W = 3
 LAST, SEEDED, REPORTED = range(3)
@@ -177,7 +176,3 @@ def test_random_jobs(stalls: bool) -> None:
         assert stalls or (least <= min(clocks[kind]) and max(clocks[kind]) <= most)
     every = {word for job in done for word in work_of(job)}
     assert {f"{name} {on_y}" for name in ("look", "c_cut_high", "c_cut_low", "c_order") for on_y in (0, 1)} < every
-
-
-def test_lint() -> None:
-    assert lint("motion_correct") == (0, "")

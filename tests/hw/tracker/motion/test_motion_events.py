@@ -12,7 +12,6 @@ from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.motion_word import registers_word
 from support.moving import QUICK
 from support.slow_motion import PX, Axis, Seen, Slot, SlowArray, pixel
-from support.testing import lint
 
 N, SLOT_W, X_W, Y_W, SIDE_W, PX_W, RADIX_W, SUP_W, SEQ_W, TIME_W = 4, 2, 6, 5, 25, 13, 5, 4, 8, 20
 WIDTHS = {
@@ -322,8 +321,3 @@ def test_random_events_and_operations() -> None:
     assert not events.expected
     assert min(events.seen.values()) > 3, events.seen
     assert len(events.seen) == 15, events.seen
-
-
-def test_lint() -> None:
-    assert lint("motion_events") == (0, "")
-    assert lint("motion_events", N=1, SLOT_W=1) == (0, "")

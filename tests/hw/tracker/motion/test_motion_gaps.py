@@ -8,7 +8,6 @@ from pyverilator import PyVerilator
 
 from evcot_cosim.rtl.build import load
 from support.slow_motion import PX, Axis
-from support.testing import lint
 
 BINS = list[int]
 
@@ -79,8 +78,3 @@ def test_random_looks() -> None:
                 outcomes.add((int(io.found), int(io.low_stays) if int(io.found) else 0))
                 sim.clock.tick()
     assert outcomes == {(0, 0), (1, 0), (1, 1)}
-
-
-def test_lint() -> None:
-    assert lint("motion_gaps") == (0, "")
-    assert lint("motion_gaps", SLOT_W=1, PX_W=14) == (0, "")

@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 
 def test_numbers_of_every_length() -> None:
@@ -36,7 +35,3 @@ def test_numbers_of_every_length() -> None:
         assert int(io.inverse) == round(1024 / (8.5 + (number * 8 >> exponent) - 8))
         took[beyond].add(clocks)
     assert took == {False: set(range(1, 8)), True: {1, 2}}
-
-
-def test_lint() -> None:
-    assert lint("motion_inverse") == (0, "")

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 N, SLOT_W, X_W, Y_W, SIDE_W, SUP_W, SEQ_W, TIME_W, DUE_W = 6, 3, 4, 3, 13, 5, 18, 20, 12
 WIDTHS = {
@@ -194,8 +193,3 @@ def test_random_jobs(seed: int) -> None:
         sim.clock.tick()
     assert min(seq, time) > 4 << 16
     assert min(seen.values()) > 1, seen
-
-
-def test_lint() -> None:
-    assert lint("motion_jobs") == (0, "")
-    assert lint("motion_jobs", N=1, SLOT_W=1) == (0, "")

@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 N = 5
 COMMANDS = ("seed", "settle", "appear", "lapse", "leave")
@@ -49,8 +48,3 @@ def test_random_lives() -> None:
         sim.clock.tick()
     assert set(seen) == set(COMMANDS)
     assert min(seen.values()) > 100
-
-
-def test_lint() -> None:
-    assert lint("motion_lives") == (0, "")
-    assert lint("motion_lives", N=1, SLOT_W=1) == (0, "")

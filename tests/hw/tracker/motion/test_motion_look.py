@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 PX_W = 13
 
@@ -73,7 +72,3 @@ def test_every_cut() -> None:
                 sim.clock.tick()
                 sim.clock.tick()
                 assert int(io.cut_px) == (begins if low_stays else 15 - begins) << log2
-
-
-def test_lint() -> None:
-    assert lint("motion_look") == (0, "")

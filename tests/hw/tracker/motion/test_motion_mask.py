@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 PX_W, AT_W = 10, 5
 COLUMNS = 1 << AT_W
@@ -117,9 +116,3 @@ def test_clocks_of_an_update_are_those_of_the_words_that_change() -> None:
     assert mask.update(1, (4, 9), (2, 12)) == 8
     assert mask.update(1, (5, 9), (2, 14)) == 9 + 1 + 2
     assert mask.update(1, (20, 22), (18, 24)) == 10 + 5 + 3 + 13 + 7
-
-
-def test_lint() -> None:
-    assert lint("motion_mask") == (0, "")
-    assert lint("motion_mask", N=1, SLOT_W=1, AT_W=1) == (0, "")
-    assert lint("motion_mask", N=64, SLOT_W=6, AT_W=12, PX_W=16) == (0, "")

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 PX_W, X_W, Y_W = 13, 5, 4
 
@@ -153,9 +152,3 @@ def test_an_event_at_the_word_that_is_written_next_collides() -> None:
             io[at] = low - 1
             sim.eval()
             assert not int(io.collides)
-
-
-def test_lint() -> None:
-    assert lint("motion_match") == (0, "")
-    assert lint("motion_match", N=1, SLOT_W=1) == (0, "")
-    assert lint("motion_match", N=5, X_W=12, Y_W=1, PX_W=16) == (0, "")

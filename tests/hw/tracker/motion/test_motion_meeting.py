@@ -8,7 +8,6 @@ import numpy as np
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot_cosim.rtl.build import load
 from support.slow_motion import Slot, gap
-from support.testing import lint
 
 N, PX_W = 8, 13
 STATES = ("visible", "candidate", "left")
@@ -133,7 +132,3 @@ def test_random_meetings() -> None:
         meeting.sim.clock.tick()
     assert len(seen) > 40
     assert min(again, one_object, far) > 5
-
-
-def test_lint() -> None:
-    assert lint("motion_meeting") == (0, "")

@@ -9,7 +9,6 @@ import pytest
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.motion_control import Control, Said
-from support.testing import lint
 
 N, SLOT_W, ID_W = 5, 3, 8
 TO_SIDES = ("c_settle", "c_reflect", "c_cover")
@@ -63,8 +62,3 @@ def test_random_merges(stalls: bool) -> None:
         assert control.said == merge_of(stays, goes, visible, later)
         clocks.add(control.clocks - begun)
     assert stalls or (min(clocks), max(clocks)) == (52, 55)
-
-
-def test_lint() -> None:
-    assert lint("motion_merge") == (0, "")
-    assert lint("motion_merge", SLOT_W=1) == (0, "")

@@ -10,7 +10,6 @@ from pyverilator import PyVerilator
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.motion_control import WINDOW, Control, Said
-from support.testing import lint
 
 N, SLOT_W, ID_W = 3, 2, 4
 TO_SIDES = ("seed", "shrink", "offset", "reflect", "settle", "cover_both", "move", "shorten")
@@ -140,8 +139,3 @@ def test_the_lives_of_two_slots(stalls: bool, returns: bool) -> None:
     said = order.job(END, 0)
     assert names(said) == (["fetch", "load", "begin_job", "reflect", "keep", "finish"] if returns else [])
     assert (int(io.left), int(io.state)) == (0, FREE)
-
-
-def test_lint() -> None:
-    assert lint("motion_order") == (0, "")
-    assert lint("motion_order", N=1, SLOT_W=1) == (0, "")

@@ -7,7 +7,6 @@ import numpy as np
 
 from evcot_cosim.rtl.build import load
 from support.slow_motion import Axis
-from support.testing import lint
 
 SIDE_W = 25
 CLOCKS = {"follow": 14, "begins": 7, "settle": 2}  # until memory has it, which is read in four more
@@ -53,7 +52,3 @@ def test_random_slots() -> None:
             axis.was = axis.lo + axis.hi
         assert [int(io.v_x), int(io.v_y)] == [axis.stated // 2 % (1 << 16) for axis in axes]
     assert lengths == {2, 4, 8, 16}
-
-
-def test_lint() -> None:
-    assert lint("motion_pace") == (0, "")

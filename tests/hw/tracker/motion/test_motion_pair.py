@@ -10,7 +10,6 @@ import numpy as np
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot_cosim.rtl.build import load
 from support.slow_motion import Slot
-from support.testing import lint
 
 PX_W, SUP_W = 13, 9
 
@@ -72,7 +71,3 @@ def test_random_pairs() -> None:
         for name, value in found.items():
             seen.setdefault(name, set()).add(value)
     assert {name: len(values) for name, values in seen.items()} == {"alike": 2, "weaker": 2}
-
-
-def test_lint() -> None:
-    assert lint("motion_pair") == (0, "")

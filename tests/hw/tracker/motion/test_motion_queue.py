@@ -8,7 +8,7 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import PATTERNS, lint
+from support.testing import PATTERNS
 
 X_W, Y_W, TICK_W, TIME_W, DUE_W = 5, 4, 6, 24, 14
 FAR = 256
@@ -181,7 +181,3 @@ def test_reset_empties_it_and_time_begins_anew() -> None:
         sim.clock.tick()
         sim.clock.tick()
         assert (int(io.m_time), int(io.m_due)) == (150, 1)
-
-
-def test_lint() -> None:
-    assert lint("motion_queue") == (0, "")

@@ -8,7 +8,7 @@ import pytest
 
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import PATTERNS, Sink, lint
+from support.testing import PATTERNS, Sink
 
 SIDE_W = 25
 WIDTHS = {"SLOT_W": 3, "SIDE_W": SIDE_W, "SUP_W": 12, "ID_W": 10, "SEQ_W": 40, "TIME_W": 44}
@@ -63,7 +63,3 @@ def test_random_records(pattern: str) -> None:
     io.say, io.m_cm_ready, io.rst = 0, 0, 1
     sim.clock.tick()
     assert not int(io.m_cm_valid)
-
-
-def test_lint() -> None:
-    assert lint("motion_record") == (0, "")

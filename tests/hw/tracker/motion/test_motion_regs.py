@@ -6,7 +6,6 @@ from __future__ import annotations
 from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.hardware.registers import motion_addresses
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 
 def test_every_register() -> None:
@@ -42,7 +41,3 @@ def test_every_register() -> None:
     io.cfg_addr, io.cfg_data = motion_addresses()["nev_low"], 0
     sim.clock.tick()
     assert found() == expected  # without cfg_valid
-
-
-def test_lint() -> None:
-    assert lint("motion_regs") == (0, "")

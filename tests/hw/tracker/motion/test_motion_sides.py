@@ -10,7 +10,6 @@ import numpy as np
 
 from evcot_cosim.rtl.build import load
 from support.slow_motion import PX
-from support.testing import lint
 
 SIDE_W, X_W, Y_W, REACH = 25, 9, 7, 9
 AXES = (("x", 0, X_W), ("y", 1, Y_W))
@@ -156,7 +155,3 @@ def test_random_commands() -> None:
                 assert signed(int(getattr(io, f"sum_{suffix}")), SIDE_W + 1) == axis.lo + axis.hi
                 assert int(getattr(io, f"crossed_{suffix}")) == (axis.hi < axis.lo)
     assert min(seen.values()) > 20
-
-
-def test_lint() -> None:
-    assert lint("motion_sides") == (0, "")

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 SLOT_W, SIDE_W, PX_W, REL_W, SUP_W, ID_W = 2, 20, 9, 6, 8, 3
 SLOTS, MOST = 1 << SLOT_W, (1 << SUP_W) - 1
@@ -204,7 +203,3 @@ def test_random_commands() -> None:
         assert all(int(io[f"e_{word}"]) == words[e_slot, word] for word in MOVES)
     assert min(seen.values()) > 50
     assert min(full, most, again, resumed) > 5
-
-
-def test_lint() -> None:
-    assert lint("motion_slot") == (0, "")

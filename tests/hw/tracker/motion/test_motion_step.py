@@ -12,7 +12,6 @@ import pytest
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.motion_control import Control, Said
-from support.testing import lint
 
 N, SLOT_W = 5, 3
 STATES = ("free", "candidate", "visible", "left")
@@ -285,8 +284,3 @@ def test_steps_take_the_clocks_of_the_header() -> None:
     before_and_after = 2  # clocks of run() that are not of the step
     lives = 45 + N - 1
     assert [clocks - before_and_after for clocks in took] == [20, lives, lives + 30 + 4, lives + 60 + 4]
-
-
-def test_lint() -> None:
-    assert lint("motion_step") == (0, "")
-    assert lint("motion_step", N=1, SLOT_W=1) == (0, "")

@@ -11,7 +11,7 @@ import pytest
 from evcot.errors import ToolchainError
 from evcot_cosim.fpga import tools
 from evcot_cosim.rtl.files import rtl_files, verilog_dir
-from support.testing import evaluate, lint
+from support.testing import evaluate
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "motion_sum.v"
 
@@ -50,8 +50,3 @@ def prove(folder: Path, body: str, w: int) -> None:
     script += [f"design -copy-from {name} {name}" for name in ("plain", "cells")]
     script += ["miter -equiv -flatten -make_assert plain cells pair", "sat -verify -prove-asserts pair"]
     tools.yosys(script, folder)
-
-
-def test_lint() -> None:
-    assert lint("motion_sum", W=1) == (0, "")
-    assert lint("motion_sum") == (0, "")

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from evcot_cosim.rtl.build import load
-from support.testing import lint
 
 SLOT_W, TIME_W = 2, 40
 LAP = 1 << 32  # of deadlines
@@ -168,7 +167,3 @@ def test_of_two_deadlines_one_is_held(part: Any) -> None:
         assert ends_at(part, second)
         pulse("keep_until")
         assert ends_at(part, first)
-
-
-def test_lint() -> None:
-    assert lint("motion_times") == (0, "")

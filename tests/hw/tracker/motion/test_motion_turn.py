@@ -11,7 +11,6 @@ import pytest
 from evcot.hardware.contract import Mode
 from evcot.hardware.registers import motion_addresses
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.testing import lint
 
 N, SLOT_W, TIME_W, DUE_W = 5, 3, 32, 24
 MODE, STEP_LOG2 = motion_addresses()["mode"], motion_addresses()["step_log2"]
@@ -247,8 +246,3 @@ def test_random_traffic(seed: int) -> None:
                 step_slot = 0
     assert min(seen.values()) > 0, seen
     assert shortest == 5
-
-
-def test_lint() -> None:
-    assert lint("motion_turn") == (0, "")
-    assert lint("motion_turn", N=1, SLOT_W=1) == (0, "")

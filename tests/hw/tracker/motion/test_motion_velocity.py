@@ -7,7 +7,6 @@ import numpy as np
 
 from evcot_cosim.rtl.build import load
 from support.slow_motion import Axis, divided
-from support.testing import lint
 
 OFF_W = 26
 
@@ -73,7 +72,3 @@ def test_random_corrections() -> None:
         limited += sum(abs(v) == most for v in expected)
     assert 200 < limited < 3_800
     assert len(runs) > 40  # of 45: after each of 15 runs one goes up, down, or nowhere
-
-
-def test_lint() -> None:
-    assert lint("motion_velocity") == (0, "")

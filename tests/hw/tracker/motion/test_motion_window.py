@@ -10,7 +10,6 @@ import numpy as np
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot_cosim.rtl.build import load
 from support.slow_motion import PX, Slot
-from support.testing import lint
 
 SIDE_W, PX_W = 25, 13
 RINGS = ("elongation", "ring_across", "ring_along", "ring_any", "ring_px", "ring_max")
@@ -70,7 +69,3 @@ def test_random_boxes() -> None:
         assert int(io.box) == packed([bound for axis in slot.axes for bound in axis.box])
         assert int(io.window) == packed([bound for axis in slot.axes for bound in axis.window])
         sim.clock.tick()
-
-
-def test_lint() -> None:
-    assert lint("motion_window") == (0, "")

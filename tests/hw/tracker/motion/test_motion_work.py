@@ -18,7 +18,6 @@ from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from support.motion_word import registers_word
 from support.moving import QUICK
 from support.slow_motion import PX, Axis, Record, Slot, SlowArray
-from support.testing import lint
 
 N, SLOT_W, X_W, Y_W, SIDE_W, PX_W, REL_W, SUP_W, ID_W, TIME_W = 5, 3, 7, 6, 25, 13, 6, 9, 3, 36
 WIDTHS = {
@@ -230,7 +229,3 @@ def test_jobs_of_random_scenes(name: str) -> None:
     assert (work.found > 0) == (registers.speed_max > 0)  # of what rests no bins are looked at
     assert work.paused
     assert min(void, ended) > 10
-
-
-def test_lint() -> None:
-    assert lint("motion_work") == (0, "")
