@@ -23,7 +23,7 @@ from ._stale_kernels import forget_stale_kernels as _forget_stale_kernels
 from ._stale_kernels import keep_kernels_in_cache as _keep_kernels_in_cache
 
 if TYPE_CHECKING:
-    from .api import evaluate, plot, render, simulate, track, tracker
+    from .api import evaluate, lines, plot, render, simulate, track, tracker
     from .api import filter_recording as filter
     from .errors import (
         ConfigError,
@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from .hardware.published.model import decode as decode_published
     from .hardware.register_access import Registers
     from .hardware.registers import Transport, register_map
+    from .hough.contract import HoughConfig
     from .metrics.rule import Rule, load_rule
     from .metrics.scores import Scores
     from .metrics.truth import GroundTruth, read_truth
@@ -90,6 +91,7 @@ __all__ = [
     "FilterConfig",
     "FrameClock",
     "GroundTruth",
+    "HoughConfig",
     "Kind",
     "Mode",
     "MotionConfig",
@@ -128,6 +130,7 @@ __all__ = [
     "filter_blocks",
     "learn_hot_pixels",
     "lifetimes",
+    "lines",
     "load_rule",
     "log_of_boxes",
     "open_recording",
@@ -154,7 +157,7 @@ _forget_stale_kernels(_Path(__file__).parent)
 __getattr__, __dir__ = _lazily(
     __name__,
     {
-        "api": ("evaluate", "filter_recording as filter", "plot", "render", "simulate", "track", "tracker"),
+        "api": ("evaluate", "filter_recording as filter", "lines", "plot", "render", "simulate", "track", "tracker"),
         "errors": (
             "ConfigError", "EngineError", "EvcotError", "OutputError", "RecordingError", "RecordingWarning", "ToolchainError",
             "TrackLogError",
@@ -170,6 +173,7 @@ __getattr__, __dir__ = _lazily(
         "hardware.published.model": ("PublishedCascade", "PublishedConfig", "PublishedTracker", "decode as decode_published"),
         "hardware.register_access": ("Registers",),
         "hardware.registers": ("Transport", "register_map"),
+        "hough.contract": ("HoughConfig",),
         "metrics.rule": ("Rule", "load_rule"),
         "metrics.scores": ("Scores",),
         "metrics.truth": ("GroundTruth", "read_truth"),

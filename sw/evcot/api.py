@@ -6,7 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .errors import ConfigError, RecordingError
 from .events import Events, Recording
@@ -29,7 +32,10 @@ from .tracks.log import TrackLog
 from .tracks.log_files import in_the_name_of, open_log
 from .tracks.tracking import Tracker, signed_log_of
 
-__all__ = ["evaluate", "filter_recording", "plot", "render", "simulate", "track", "tracker"]
+if TYPE_CHECKING:
+    from .hough.contract import HoughConfig
+
+__all__ = ["evaluate", "filter_recording", "lines", "plot", "render", "simulate", "track", "tracker"]
 
 
 def filter_recording(recording: Recording, config: FilterConfig | None = None, **settings: Any) -> Recording:
@@ -87,6 +93,36 @@ def track(
     with _blocks(source) as (blocks, sensor):
         made = tracker(sensor, engine, preset, config=config, settings=settings, filters=filters, **changes)
         return signed_log_of(engine, made, blocks)
+
+
+def lines(source: Recording | Path | str, /, config: HoughConfig | None = None) -> NDArray[np.void]:
+    """Follow straight lines in a recording: their angle and distance from the middle of the sensor over time (docs/lines.md).
+
+    Example:
+        lines = evcot.lines("bar.aedat4")
+        lines["angle_deg"][lines["line_id"] == 1]  # (k,) degrees, continuous
+
+    Args:
+        source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
+        config: the transform; None: the default for the sensor.
+
+    Returns:
+        (n,) of dtype `hough.follower.LINE`: t_us (microseconds), line_id, angle_deg (degrees), rho_px (pixels), turn_deg_s
+        (degrees per second); one entry for each spike of a line, in time order.
+
+    Raises:
+        ConfigError: a sensor of more than 2048 pixels across or down, or a configuration for another sensor.
+        RecordingError: a file that cannot be read, or holds no events.
+    """
+    from .hough.contract import HoughConfig
+    from .hough.follower import LINE, LineFollower  # with Numba
+
+    with _blocks(source) as (blocks, (width, height)):
+        config = config or HoughConfig(width, height)
+        if (config.width, config.height) != (width, height):
+            raise ConfigError(f"hough sensor {config.width}x{config.height}: must be the recording's, {width}x{height}")
+        follower = LineFollower(config)
+        return np.concatenate([np.empty(0, LINE), *(follower.feed(block) for block in blocks)])
 
 
 def tracker(

@@ -107,6 +107,7 @@ _TABLE = (
     Module("filter_chain_640x480_cells", "filter_chain", {**_VGA, "HAS": 127, "CELL_PX": 2}, answer="token"),
     Module("filter_chain_1280x720_coarse", "filter_chain", {**_HD, "HAS": 127, "CELL_PX": 4}, answer="token"),
     Module("filter_chain_1280x720_fine", "filter_chain", {**_HD, "HAS": 191, "CELL_PX": 2}, answer="token"),
+    Module("hough_lines", "hough_lines", _TICK, answer="token"),
     Module("evt2_decoder", "evt2_decoder", answer="event"),
     Module("evt21_decoder", "evt21_decoder", answer="event"),
     Module("evt3_decoder", "evt3_decoder", answer="event"),

@@ -30,6 +30,7 @@ from ..filters.contract import (
     FilterRegister,
 )
 from ..filters.decay import weights
+from ..hough.contract import COSINES, STAMP_W
 from ..outputs import written_aside
 from ..templating import templates
 from ..tracks.log import Kind
@@ -249,6 +250,7 @@ def render() -> dict[str, str]:
         "hw/verilog/filter/decay_table.vh": {
             "units": UNITS_PER_HALF_LIFE, "clock_frac": CLOCK_FRAC, "weights": weights(0)[:UNITS_PER_HALF_LIFE],
         },
+        "hw/verilog/lines/hough_table.vh": {"stamp_w": STAMP_W, "cosines": COSINES},
         "hw/verilog/math/lfsr_taps.vh": {"rows": rows},
         "hw/verilog/published/published_regs.vh": {
             "select": SELECT, "select_first": SELECT_FIRST, "select_none": SELECT_NONE, "registers": PUBLISHED_REGISTERS,

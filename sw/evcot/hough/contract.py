@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The contract of the line transform in RTL and in its model: shape, registers, and the table of cosines.
+
+The hardware side is generated from it: see `hardware.generate`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi
+
+from ..errors import ConfigError
+from ..ranges import Range, check_ranges
+
+__all__ = ["ANGLES", "COSINES", "HOUGH_RANGES", "STAMP_W", "HoughConfig"]
+
+ANGLES = (16, 32)
+"""Legal numbers of angles in half a turn."""
+
+COSINES = tuple(round(256 * cos(pi * j / 32)) for j in range(17))
+"""256 cos(j pi / 32), rounded, for a quarter turn; 16 angles take every second value."""
+
+STAMP_W = 12
+"""Bits of a cell's word, which is the period at which its potential reaches 0."""
+
+HOUGH_RANGES: dict[str, Range] = {
+    "width": (1, 2048, "pixels of the sensor across"),
+    "height": (1, 2048, "pixels of the sensor down"),
+    "angles": (16, 32, "angles in half a turn, 16 or 32"),
+    "leak_log2": (2, 15, "log2 of the events in which each cell loses one hit"),
+    "threshold": (2, 15, "hits at which a cell fires"),
+}
+"""Limits and meanings of `HoughConfig`. The RTL checks those of the sensor and the angles at elaboration."""
+
+
+@dataclass(frozen=True)
+class HoughConfig:
+    """Shape and registers of the line transform; limits and meanings in `HOUGH_RANGES`.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    width: int = 346
+    height: int = 260
+    angles: int = 16
+    leak_log2: int = 5
+    threshold: int = 8
+
+    def __post_init__(self) -> None:
+        check_ranges("hough", self, HOUGH_RANGES)
+        if self.angles not in ANGLES:
+            raise ConfigError(f"hough.angles = {self.angles}: must be 16 or 32")
+
+    @property
+    def rho_w(self) -> int:
+        """Bits of a cell's index along rho: 2^rho_w cells of 1 px cover the diagonal of the sensor."""
+        squared = (self.width + 8) ** 2 + (self.height + 8) ** 2
+        return ((squared - 1).bit_length() + 1) // 2
