@@ -2,16 +2,16 @@
 // Finds straight lines: leaky integrate-and-fire cells on (angle, rho), whose spikes are events (docs/lines.md).
 //
 // An event hits one cell at every angle. Each cell counts its hits and loses one per period of 2^leak_log2 events. Where a cell
-// reaches the threshold, the event is a spike, with the index of the lowest such angle and of the cell along rho; all cells of the
-// event are emptied then. Every other event leaves as a dropped one, so its ticks and its event number still count.
+// reaches 8 hits, the event is a spike, with the index of the lowest such angle and of the cell along rho; all cells of the event
+// are emptied then. Every other event leaves as a dropped one, so its ticks and its event number still count.
 //
 // The streams are those of a filter, so a tracker can follow: its x is m_angle, its y m_rho.
 //
-// Latency:    8 clocks from s_ to m_: place, shares, row, RAM, potential, hits, decision, output.
+// Latency:    8 clocks from s_ to m_: place, shares, row, RAM, potential, forwarding, decision, output.
 // Throughput: 1 token per clock.
 // Stall:      while the output is full, the pipeline stalls.
-// Reset:      becomes empty and clears the memory: 2^RHO_W clocks with idle and s_ready low.
-// RAM:        ANGLES memories of 2^RHO_W words of 12 bits.
+// Reset:      becomes empty and clears the memory: 2^RHO_W + 6 clocks with idle low, and s_ready for most of them.
+// RAM:        ANGLES memories of 2^RHO_W words of 9 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -30,9 +30,8 @@ module hough_lines #(
     input  wire               clk,
     input  wire               rst,
 
-    // registers, which change only while the module is idle
+    // register, which changes only in reset
     input  wire [3:0]         leak_log2,  // log2 of the events in a period, 2 to 15
-    input  wire [3:0]         threshold,  // hits at which a cell fires, 2 to 15
 
     // tokens in
     input  wire               s_valid,
@@ -88,7 +87,7 @@ module hough_lines #(
     wire [31:0] from_middle_x = (x << 1) - (ACROSS - 32'd1);
     wire [31:0] from_middle_y = (y << 1) - (DOWN - 32'd1);
 
-    reg                 clearing;
+    reg                 clearing;  // after reset: every cell is emptied
     reg                 place_valid, place_event;
     reg [TOKEN_W-1:0]   place_token;
     reg [PRODUCT_W-1:0] place_x, place_y;
@@ -111,6 +110,7 @@ module hough_lines #(
 
     // ---- shares of x and y in rho, for the angles of a quarter turn --------------------------------------------------
 
+    reg  [RHO_W-1:0]            clear_row;  // while clearing, the share of x; that of y is 0, so every angle visits every row
     reg  [(HALF+1)*SHARE_W-1:0] shares_x, shares_y;
     wire [(HALF+1)*SHARE_W-1:0] next_x, next_y;
 
@@ -120,11 +120,27 @@ module hough_lines #(
             localparam [8:0] COSINE = COSINES[9*(j*16/HALF) +: 9];
             wire [PRODUCT_W-1:0] product_x = $signed(place_x) * $signed({{(PRODUCT_W - 9) {1'b0}}, COSINE});
             wire [PRODUCT_W-1:0] product_y = $signed(place_y) * $signed({{(PRODUCT_W - 9) {1'b0}}, COSINE});
-            assign next_x[j*SHARE_W +: SHARE_W] = product_x[PRODUCT_W-1:6];
+            assign next_x[j*SHARE_W +: SHARE_W] = clearing ? {clear_row, 3'd0} : product_x[PRODUCT_W-1:6];
             assign next_y[j*SHARE_W +: SHARE_W] = product_y[PRODUCT_W-1:6];
             wire unused = &{1'b0, product_x, product_y};
         end
     endgenerate
+
+    always @(posedge clk) begin
+        if (space) begin
+            shares_x <= next_x;
+            shares_y <= next_y;
+            if (clearing) begin
+                shares_y  <= {(HALF + 1) * SHARE_W{1'b0}};
+                clear_row <= clear_row + 1'b1;
+                clearing  <= !(&clear_row);
+            end
+        end
+        if (rst) begin
+            clear_row <= {RHO_W{1'b0}};
+            clearing  <= 1'b1;
+        end
+    end
 
     // ---- rows, and the period of an event ----------------------------------------------------------------------------
 
@@ -144,89 +160,63 @@ module hough_lines #(
         end
     endgenerate
 
-    reg               share_valid, share_event, row_valid, row_event, found_valid, found_event, past_valid, past_event;
-    reg               hit_valid, hit_event, fired_valid;
+    // A slot is a token, a cell to empty, or nothing; `event` says that cells are written.
+    reg               share_valid, row_valid, found_valid, past_valid, hit_valid, fired_valid;
+    reg               share_event, row_event, found_event, past_event, hit_event;
+    reg               share_clears, row_clears, found_clears, past_clears, hit_clears;
     reg [TOKEN_W-1:0] share_token, row_token, found_token, past_token, hit_token, fired_token;
     reg [STAMP_W-1:0] period, row_period, found_period, past_period, hit_period;
-    reg               last_period;  // lowest bit of that of the slot behind `hit`
-    reg [14:0]        phase;        // events of the period
+    reg               last_period;    // of the slot that has left `hit`: the lowest bit of its period
+    reg [14:0]        phase;          // events of the period
+    wire              inhibits;
 
     wire [14:0] period_end = ~(15'h7fff << leak_log2);  // phase of its last event
     wire        ends       = phase == period_end;
 
     always @(posedge clk) begin
         if (space) begin
-            shares_x     <= next_x;
-            shares_y     <= next_y;
-            share_valid  <= place_valid;
-            share_event  <= place_event;
-            share_token  <= place_token;
+            {share_valid, share_event, share_clears} <= {place_valid, place_event || clearing, clearing};
+            {row_valid, row_event, row_clears}       <= {share_valid, share_event, share_clears};
+            {found_valid, found_event, found_clears} <= {row_valid, row_event, row_clears};
+            {past_valid, past_event, past_clears}    <= {found_valid, found_event, found_clears};
+            {hit_valid, hit_event, hit_clears}       <= {past_valid, past_event, past_clears};
+            fired_valid <= hit_valid;
 
-            rows         <= next_rows;
-            row_valid    <= share_valid;
-            row_event    <= share_event;
-            row_token    <= share_token;
-            row_period   <= period;
-            if (share_event) begin
+            share_token <= place_token;
+            row_token   <= share_token;
+            found_token <= row_token;
+            past_token  <= found_token;
+            hit_token   <= past_token;
+            fired_token <= hit_token;
+
+            rows <= next_rows;
+            if (share_event && !share_clears) begin
                 phase  <= ends ? 15'd0 : phase + 15'd1;
                 period <= period + {{(STAMP_W - 1) {1'b0}}, ends};
             end
-
-            found_valid  <= row_valid;
-            found_event  <= row_event;
-            found_token  <= row_token;
-            found_period <= row_period;
-
-            past_valid   <= found_valid;
-            past_event   <= found_event;
-            past_token   <= found_token;
-            past_period  <= found_period;
-
-            hit_valid    <= past_valid;
-            hit_event    <= past_event;
-            hit_token    <= past_token;
-            hit_period   <= past_period;
-
-            fired_valid  <= hit_valid;
-            fired_token  <= hit_token;
-            last_period  <= hit_period[0];
+            row_period    <= period;
+            found_period  <= row_period;
+            past_period   <= found_period;
+            hit_period    <= past_period;
+            last_period   <= hit_period[0];
         end
         if (rst) begin
-            share_valid  <= 1'b0;
-            share_event  <= 1'b0;
-            row_valid    <= 1'b0;
-            row_event    <= 1'b0;
-            row_period   <= {STAMP_W{1'b0}};
-            found_valid  <= 1'b0;
-            found_event  <= 1'b0;
-            found_period <= {STAMP_W{1'b0}};
-            past_valid   <= 1'b0;
-            past_event   <= 1'b0;
-            past_period  <= {STAMP_W{1'b0}};
-            hit_valid    <= 1'b0;
-            hit_event    <= 1'b0;
-            hit_period   <= {STAMP_W{1'b0}};
-            fired_valid  <= 1'b0;
-            period       <= {STAMP_W{1'b0}};
-            phase        <= 15'd0;
+            {share_valid, share_event, share_clears} <= 3'd0;
+            {row_valid, row_event, row_clears}       <= 3'd0;
+            {found_valid, found_event, found_clears} <= 3'd0;
+            {past_valid, past_event, past_clears}    <= 3'd0;
+            {hit_valid, hit_event, hit_clears}       <= 3'd0;
+            fired_valid <= 1'b0;
+            period      <= {STAMP_W{1'b0}};
+            phase       <= 15'd0;
         end
     end
 
     // ---- cells -------------------------------------------------------------------------------------------------------
 
-    reg  [RHO_W-1:0]        clear_row;
     wire [ANGLES-1:0]       fires;
     wire [ANGLES*RHO_W-1:0] hit_rows;
-    wire                    inhibits = |fires || clearing;
-
-    always @(posedge clk) begin
-        clear_row <= clear_row + 1'b1;
-        if (&clear_row) clearing <= 1'b0;
-        if (rst) begin
-            clear_row <= {RHO_W{1'b0}};
-            clearing  <= 1'b1;
-        end
-    end
+    assign                  inhibits = |fires || hit_clears;
 
     generate
         for (k = 0; k < ANGLES; k = k + 1) begin : g_angle
@@ -235,17 +225,14 @@ module hough_lines #(
             ) u_cells (
                 .clk          (clk),
                 .advance      (space),
-                .threshold    (threshold),
                 .row          (rows[k*RHO_W +: RHO_W]),
                 .found_period (found_period),
                 .hit_period   (hit_period),
                 .hit_event    (hit_event),
-                .past_crosses (past_period[0] != hit_period[0]),
-                .found_crosses(found_period[0] != hit_period[0]),
-                .last_crosses (found_period[0] != last_period),
+                .past_leaks   (past_period[0] != hit_period[0]),
+                .found_leaks  (found_period[0] != hit_period[0]),
+                .last_leaks   (found_period[0] != last_period),
                 .inhibits     (inhibits),
-                .clearing     (clearing),
-                .clear_row    (clear_row),
                 .fires        (fires[k]),
                 .hit_row      (hit_rows[k*RHO_W +: RHO_W])
             );
@@ -259,22 +246,22 @@ module hough_lines #(
 
     always @(posedge clk)
         if (space) begin
-            fired      <= fires & {ANGLES{hit_event}};
+            fired      <= fires & {ANGLES{hit_event && !hit_clears}};
             fired_rows <= hit_rows;
         end
 
+    wire [ANGLES-1:0] first = fired & ~(fired - 1'b1);  // the lowest bit of `fired`
     reg [ANGLE_W-1:0] angle;
     reg [RHO_W-1:0]   rho;
 
     always @* begin : lowest
         integer i;
         angle = {ANGLE_W{1'b0}};
-        rho   = fired_rows[RHO_W-1:0];
-        for (i = ANGLES - 1; i >= 0; i = i - 1)
-            if (fired[i]) begin
-                angle = i[ANGLE_W-1:0];
-                rho   = fired_rows[i*RHO_W +: RHO_W];
-            end
+        rho   = {RHO_W{1'b0}};
+        for (i = 0; i < ANGLES; i = i + 1) begin
+            angle = angle | (i[ANGLE_W-1:0] & {ANGLE_W{first[i]}});
+            rho   = rho | (fired_rows[i*RHO_W +: RHO_W] & {RHO_W{first[i]}});
+        end
     end
 
     wire              spikes = |fired;
@@ -297,7 +284,7 @@ module hough_lines #(
     );
 
     assign idle = !clearing && !place_valid && !share_valid && !row_valid && !found_valid && !past_valid && !hit_valid
-               && !fired_valid && !m_valid;
+               && !fired_valid && !m_valid && !share_clears && !row_clears && !found_clears && !past_clears && !hit_clears;
 
     wire unused = &{1'b0, from_middle_x, from_middle_y};
 

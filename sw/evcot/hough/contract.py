@@ -12,7 +12,7 @@ from math import cos, pi
 from ..errors import ConfigError
 from ..ranges import Range, check_ranges
 
-__all__ = ["ANGLES", "COSINES", "HOUGH_RANGES", "STAMP_W", "HoughConfig"]
+__all__ = ["ANGLES", "COSINES", "HOUGH_RANGES", "STAMP_W", "THRESHOLD", "HoughConfig"]
 
 ANGLES = (16, 32)
 """Legal numbers of angles in half a turn."""
@@ -20,22 +20,24 @@ ANGLES = (16, 32)
 COSINES = tuple(round(256 * cos(pi * j / 32)) for j in range(17))
 """256 cos(j pi / 32), rounded, for a quarter turn; 16 angles take every second value."""
 
-STAMP_W = 12
+STAMP_W = 9
 """Bits of a cell's word, which is the period at which its potential reaches 0."""
+
+THRESHOLD = 8
+"""Hits at which a cell fires."""
 
 HOUGH_RANGES: dict[str, Range] = {
     "width": (1, 2048, "pixels of the sensor across"),
     "height": (1, 2048, "pixels of the sensor down"),
     "angles": (16, 32, "angles in half a turn, 16 or 32"),
     "leak_log2": (2, 15, "log2 of the events in which each cell loses one hit"),
-    "threshold": (2, 15, "hits at which a cell fires"),
 }
 """Limits and meanings of `HoughConfig`. The RTL checks those of the sensor and the angles at elaboration."""
 
 
 @dataclass(frozen=True)
 class HoughConfig:
-    """Shape and registers of the line transform; limits and meanings in `HOUGH_RANGES`.
+    """Shape and register of the line transform; limits and meanings in `HOUGH_RANGES`.
 
     Raises:
         ConfigError: a value outside its range.
@@ -45,7 +47,6 @@ class HoughConfig:
     height: int = 260
     angles: int = 16
     leak_log2: int = 5
-    threshold: int = 8
 
     def __post_init__(self) -> None:
         check_ranges("hough", self, HOUGH_RANGES)

@@ -33,13 +33,12 @@ class LineFollower:
         self._config = config
         self._slots = np.zeros((SLOTS, FIELDS))
         self._ids = np.zeros(1, np.int64)
-        self._events = 0
 
     def feed(self, events: Events) -> NDArray[np.void]:
         """The lines of a block of events: (m,) of dtype `LINE`, one entry for each spike of a line, in time order."""
+        first = self._transform.events
         spikes = self._transform.feed(events.x, events.y)
-        index = spikes["event"] - self._events
-        self._events += len(events)
+        index = spikes["event"] - first
         config = self._config
         x = events.x[index] - (config.width - 1) / 2
         y = events.y[index] - (config.height - 1) / 2

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._numba_private import njit
-from .contract import COSINES, STAMP_W, HoughConfig
+from .contract import COSINES, STAMP_W, THRESHOLD, HoughConfig
 
 __all__ = ["SPIKE", "HoughTransform"]
 
@@ -28,8 +28,13 @@ class HoughTransform:
         self._from_x, self._from_y = _shares(config)
         self._cells = np.zeros((config.angles, 1 << config.rho_w), np.uint16)
         self._rows = np.zeros(config.angles, np.int32)
-        self._hits = np.zeros(config.angles, np.int32)
+        self._potentials = np.zeros(config.angles, np.int32)
         self._counts = np.zeros(2, np.int64)  # events on the sensor, all events
+
+    @property
+    def events(self) -> int:
+        """Number of events since the start."""
+        return int(self._counts[1])
 
     def feed(self, x: NDArray[np.uint16], y: NDArray[np.uint16]) -> NDArray[np.void]:
         """The spikes of a block of events, at most one per event.
@@ -42,9 +47,9 @@ class HoughTransform:
         """
         config = self.config
         spikes = np.empty(len(x), SPIKE)
-        tables = self._from_x, self._from_y, self._cells, self._rows, self._hits, self._counts
+        tables = self._from_x, self._from_y, self._cells, self._rows, self._potentials, self._counts
         columns = spikes["event"], spikes["angle"], spikes["rho"]
-        return spikes[: _transform(x, y, *tables, config.leak_log2, config.threshold, *columns)].copy()
+        return spikes[: _transform(x, y, *tables, config.leak_log2, *columns)].copy()
 
 
 def _shares(config: HoughConfig) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
@@ -60,7 +65,7 @@ def _shares(config: HoughConfig) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
 
 
 @njit(cache=True, nogil=True)
-def _transform(x, y, from_x, from_y, cells, rows, hits, counts, leak_log2, threshold, event, angle, rho):  # type: ignore[no-untyped-def]
+def _transform(x, y, from_x, from_y, cells, rows, potentials, counts, leak_log2, event, angle, rho):  # type: ignore[no-untyped-def]
     angles = len(rows)
     width, height = len(from_x), len(from_y)
     n, first = counts
@@ -71,16 +76,16 @@ def _transform(x, y, from_x, from_y, cells, rows, hits, counts, leak_log2, thres
         period = np.int32((n >> leak_log2) & _MASK)
         n += 1
         part_x, part_y = from_x[x[i]], from_y[y[i]]
-        fires = False
         for k in range(angles):
             rows[k] = (part_x[k] + part_y[k]) >> 3
+        fires = False
         for k in range(angles):
             potential = (np.int32(cells[k, rows[k]]) - period) & _MASK
-            hits[k] = 1 if potential >= threshold else potential + 1
-            fires |= hits[k] >= threshold
+            potentials[k] = potential if potential < THRESHOLD else 0
+            fires |= potential == THRESHOLD - 1
         if fires:
             winner = 0
-            while hits[winner] < threshold:
+            while potentials[winner] < THRESHOLD - 1:
                 winner += 1
             event[count], angle[count], rho[count] = first + i, winner, rows[winner]
             count += 1
@@ -88,6 +93,6 @@ def _transform(x, y, from_x, from_y, cells, rows, hits, counts, leak_log2, thres
                 cells[k, rows[k]] = period
         else:
             for k in range(angles):
-                cells[k, rows[k]] = (period + hits[k]) & _MASK
+                cells[k, rows[k]] = (period + potentials[k] + 1) & _MASK
     counts[0], counts[1] = n, first + len(x)
     return count
