@@ -247,10 +247,22 @@ UART_HOST = Top(
         m_axil_arvalid="u1", m_axil_araddr="u2", m_axil_rready="u1", s_axis_tready="u1",
     ),
 )  # fmt: skip
+HOUGH_LINES = Top(
+    "hough_lines", (("WIDTH", 8), ("HEIGHT", 6), ("TICK_W", 1)),
+    ports(
+        rst="u1", leak_log2="u1", s_valid="u1", s_tick="u1", s_event="u1", s_skip="u1", s_x="u2", s_y="u2", s_p="u1",
+        m_ready="u1",
+    ),
+    ports(
+        s_ready="u1", m_valid="u1", m_tick="u1", m_event="u1", m_skip="u1", m_angle="u1", m_rho="u1", m_x="u2", m_y="u2",
+        m_p="u1", idle="u1",
+    ),
+)  # fmt: skip
 VALID_WITH = {
-    "aer_data": "aer_req", "m_axil_awaddr": "m_axil_awvalid", "m_axil_wdata": "m_axil_wvalid", "m_axil_araddr": "m_axil_arvalid"
+    **{f"m_{name}": "m_valid" for name in ("tick", "event", "skip", "angle", "rho", "x", "y", "p")},
+    "aer_data": "aer_req", "m_axil_awaddr": "m_axil_awvalid", "m_axil_wdata": "m_axil_wvalid", "m_axil_araddr": "m_axil_arvalid",
 }  # fmt: skip
-TOPS = pytest.mark.parametrize("top", [AER_OUT, UART_HOST], ids=lambda top: top.module)
+TOPS = pytest.mark.parametrize("top", [AER_OUT, UART_HOST, HOUGH_LINES], ids=lambda top: top.module)
 
 
 def from_power_on(top: Top) -> NDArray[np.void]:
@@ -266,6 +278,10 @@ def from_power_on(top: Top) -> NDArray[np.void]:
     rows["rst"][:2] = 1
     if top is AER_OUT:
         rows["active_low"] = 0
+    elif top is HOUGH_LINES:
+        rows["leak_log2"] = 5
+        rows["s_x"] %= 8
+        rows["s_y"] %= 8
     else:
         asked = [request("W", 8, 0x12345678), request("R", 12), request("W", 16, 1), request("R", 8)]
         line = levels(b"".join(asked), DIVISOR, idle=3)[: CLOCKS - 10]
@@ -281,7 +297,7 @@ def meant(top: Top, row: Iterable[int]) -> dict[str, int]:
 
 
 def test_every_module_is_within_one_that_is_tested() -> None:
-    tops = ["evcot_top", "cot_published_chain", AER_OUT.module, UART_HOST.module]
+    tops = ["evcot_top", "cot_published_chain", AER_OUT.module, UART_HOST.module, HOUGH_LINES.module]
     modules = {path.stem for path in rtl_files().values() if path.suffix == ".v"}
     assert modules == {*closure(tops), "async_fifo"}, "async_fifo has two clocks, and a test of its own in Icarus"
 
