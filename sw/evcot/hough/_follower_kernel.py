@@ -18,8 +18,9 @@ __all__ = ["FIELDS", "SLOTS", "follow"]
 SLOTS = 16
 """Lines and candidates at one time."""
 
-# Columns of a slot: spikes (0: free), id (0: candidate), time of the last spike, anchor, state, upper triangle of the covariance.
-_SPIKES, _ID, _LAST, _X, _Y, _STATE, _COVARIANCE = 0, 1, 2, 3, 4, 5, 9
+# Columns of a slot: own spikes (0: free), id (0: candidate), number of the spike with which it began, time of the last spike,
+# anchor, state, covariance.
+_SPIKES, _ID, _BEGAN, _LAST, _X, _Y, _STATE, _COVARIANCE = 0, 1, 2, 3, 4, 5, 6, 10
 FIELDS = _COVARIANCE + 16
 """Columns of a slot."""
 
@@ -28,6 +29,7 @@ _GATE_PX = 6.0  # farthest pixel from the line that is the line's
 _NEAR_PX = 12.0  # up to this distance from a reported line nothing begins
 _GATE_STEPS = 1.5  # farthest angle of a spike from the line's, in steps of the transform
 _CONFIRM = 32  # spikes before a line is reported
+_TRIAL = 512  # spikes of all lines after which a candidate that is not reported ends
 _LIFE_US = 100_000.0  # time without a spike after which a line ends
 _FADING = 128.0 / 127.0  # growth of the covariance per spike: a memory of 128 spikes
 _NOISE_PX2 = 2.0  # variance of a pixel across the line
@@ -36,14 +38,15 @@ _TURN_RAD_S, _SLIDE_PX_S, _PLACE_PX = 10.0, 100.0, 2.0  # standard deviations of
 
 
 @njit(cache=True, nogil=True)
-def follow(t_us, x, y, index, step_rad, slots, ids, lines):  # type: ignore[no-untyped-def]
+def follow(t_us, x, y, index, step_rad, slots, counts, lines):  # type: ignore[no-untyped-def]
     out_t, out_id, out_angle, out_rho, out_turn = lines
     count = 0
     for i in range(len(t_us)):
         spike_angle = index[i] * step_rad
-        slot = _line_of(slots, t_us[i], x[i], y[i], spike_angle, step_rad)
+        counts[0] += 1
+        slot = _line_of(slots, counts[0], t_us[i], x[i], y[i], spike_angle, step_rad)
         if slot == -1:
-            _begin(slots, t_us[i], x[i], y[i], spike_angle, step_rad)
+            _begin(slots, counts[0], t_us[i], x[i], y[i], spike_angle, step_rad)
         if slot < 0:
             continue
         line = slots[slot]
@@ -51,8 +54,8 @@ def follow(t_us, x, y, index, step_rad, slots, ids, lines):  # type: ignore[no-u
         if line[_SPIKES] < _CONFIRM:
             continue
         if line[_ID] == 0:
-            ids[0] += 1
-            line[_ID] = ids[0]
+            counts[1] += 1
+            line[_ID] = counts[1]
         _end_doubles(slots, slot, step_rad)
         angle = line[_STATE]
         out_t[count], out_id[count] = t_us[i], line[_ID]
@@ -70,7 +73,7 @@ def _apart(one, other):  # type: ignore[no-untyped-def]
 
 
 @step
-def _line_of(slots, t_us, x, y, spike_angle, step_rad):  # type: ignore[no-untyped-def]
+def _line_of(slots, number, t_us, x, y, spike_angle, step_rad):  # type: ignore[no-untyped-def]
     """The slot whose line the spike belongs to, reported lines first; -1: none; -2: none, and nothing begins here."""
     best, best_px, none = -1, 1e9, -1
     for slot in range(len(slots)):
@@ -78,7 +81,7 @@ def _line_of(slots, t_us, x, y, spike_angle, step_rad):  # type: ignore[no-untyp
         if line[_SPIKES] == 0:
             continue
         dt_us = t_us - line[_LAST]
-        if dt_us > _LIFE_US:
+        if dt_us > _LIFE_US or (line[_ID] == 0 and number - line[_BEGAN] > _TRIAL):
             line[_SPIKES] = 0
             continue
         angle = line[_STATE] + line[_STATE + 1] * dt_us * 1e-6
@@ -96,13 +99,14 @@ def _line_of(slots, t_us, x, y, spike_angle, step_rad):  # type: ignore[no-untyp
 
 
 @step
-def _begin(slots, t_us, x, y, spike_angle, step_rad):  # type: ignore[no-untyped-def]
+def _begin(slots, number, t_us, x, y, spike_angle, step_rad):  # type: ignore[no-untyped-def]
     """A candidate begins in the first free slot; none if all are in use."""
     for slot in range(len(slots)):
         line = slots[slot]
         if line[_SPIKES] == 0:
             line[:] = 0
-            line[_SPIKES], line[_LAST], line[_X], line[_Y], line[_STATE] = 1, t_us, x, y, spike_angle
+            line[_SPIKES], line[_BEGAN], line[_LAST] = 1, number, t_us
+            line[_X], line[_Y], line[_STATE] = x, y, spike_angle
             for i in range(4):
                 line[_COVARIANCE + 5 * i] = _largest(i, step_rad)
             return

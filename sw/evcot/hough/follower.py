@@ -32,7 +32,7 @@ class LineFollower:
         self._transform = HoughTransform(config)
         self._config = config
         self._slots = np.zeros((SLOTS, FIELDS))
-        self._ids = np.zeros(1, np.int64)
+        self._counts = np.zeros(2, np.int64)  # spikes, ids
 
     def feed(self, events: Events) -> NDArray[np.void]:
         """The lines of a block of events: (m,) of dtype `LINE`, one entry for each spike of a line, in time order."""
@@ -45,4 +45,4 @@ class LineFollower:
         lines = np.empty(len(spikes), LINE)
         columns = tuple(lines[name] for name in LINE.names or ())
         t_us = events.t_us[index]
-        return lines[: follow(t_us, x, y, spikes["angle"], np.pi / config.angles, self._slots, self._ids, columns)].copy()
+        return lines[: follow(t_us, x, y, spikes["angle"], np.pi / config.angles, self._slots, self._counts, columns)].copy()
