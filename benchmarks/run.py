@@ -39,6 +39,7 @@ _BENCHMARKS = (
     "cot_quality",
     "adaptive",
     "anomalies",
+    "lines",
     "quality",
     "live",
     "sweep",
