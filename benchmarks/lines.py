@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lines in Hough space: errors and ids of bars that turn, speed; and circles, against the tracker on the events themselves.
 
-Bars of random length, width, contrast and direction turn three quarters of a turn about a random place, in front of a texture, with
-noise. `VALIDATION` are the seeds on which the follower was tuned, `TEST` those on which nothing was.
+Bars of random length, width, contrast and direction turn three quarters of a turn about a random place, in front of a
+texture, with noise. `VALIDATION` are the seeds on which the follower was tuned, `TEST` those on which nothing was.
 
     python benchmarks/lines.py [validation | FILE]
 """

@@ -260,7 +260,8 @@ HOUGH_LINES = Top(
 )  # fmt: skip
 VALID_WITH = {
     **{f"m_{name}": "m_valid" for name in ("tick", "event", "skip", "angle", "rho", "x", "y", "p")},
-    "aer_data": "aer_req", "m_axil_awaddr": "m_axil_awvalid", "m_axil_wdata": "m_axil_wvalid", "m_axil_araddr": "m_axil_arvalid",
+    "aer_data": "aer_req", "m_axil_awaddr": "m_axil_awvalid", "m_axil_wdata": "m_axil_wvalid",
+    "m_axil_araddr": "m_axil_arvalid",
 }  # fmt: skip
 TOPS = pytest.mark.parametrize("top", [AER_OUT, UART_HOST, HOUGH_LINES], ids=lambda top: top.module)
 

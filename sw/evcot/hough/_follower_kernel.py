@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The kernel of `LineFollower`: the line of a spike, and a Kalman filter per line.
 
-State of a line: angle of the normal, turning speed, distance of the line from its anchor along the normal, and the speed of that.
+State of a line: angle of the normal, turning speed, distance from the anchor along the normal, speed of that distance.
 The anchor is the running mean of the pixels of its spikes. A pixel at (dx, dy) from the anchor measures
 e = dx cos(angle) + dy sin(angle) - distance, which is 0 on the line. The filter is the extended Kalman filter with a fading
 memory: Simon, Optimal State Estimation, Wiley 2006, section 7.4.
@@ -34,7 +34,8 @@ _LIFE_US = 100_000.0  # time without a spike after which a line ends
 _FADING = 128.0 / 127.0  # growth of the covariance per spike: a memory of 128 spikes
 _NOISE_PX2 = 2.0  # variance of a pixel across the line
 _ANCHOR_SHARE = 1.0 / 16.0  # of a spike's pixel in the anchor
-_TURN_RAD_S, _SLIDE_PX_S, _PLACE_PX = 10.0, 100.0, 2.0  # standard deviations of a new line; also the largest ones of an old line
+# Standard deviations of a new line, and the largest ones of any line.
+_TURN_RAD_S, _SLIDE_PX_S, _PLACE_PX = 10.0, 100.0, 2.0
 
 
 @njit(cache=True, nogil=True)

@@ -97,7 +97,7 @@ class TestStories:
         assert words[7].tolist() == [0, 1, 0, 8, 32 - 7, 25, 5, 0]
 
     def test_a_spike_empties_all_cells_of_its_event(self) -> None:
-        """Eight events of one pixel charge the cells of all angles alike; after the spike none of them fires for seven events."""
+        """Eight events of one pixel charge the cells of all angles alike; after the spike none fires for seven events."""
         device = device_of(LEAST_STORIES)
         words = meant(device.run({"s_": tokens_of([9] * 24, [9] * 24)}))
         assert np.flatnonzero(words[:, 1]).tolist() == [7, 15, 23]
