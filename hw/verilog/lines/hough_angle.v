@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cells of one angle of hough_lines.v, in block RAM: reads a cell, counts a hit, writes the cell back (docs/lines.md).
 //
-// A word is the period at which the cell's potential reaches 0. A potential is 0 to 7, before the hit of the event. Slots move
-// through the stages row, found, past and hit; a cell is written from `hit`, and slots up to three behind may have read it before.
-// They take what the slot ahead leaves: the third behind and the second in `found`, the first in `past`. Slots so near are at most
-// one period apart, as a period has at least four events.
+// A word is the potential that an event has left, 0 to 7 hits, and the event's period. Slots move through the stages row, found,
+// past and hit. A cell is written from `hit`, and slots up to three behind may have read it before. They take what the slot ahead
+// leaves: the third behind and the second in `found`, the first in `past`. Slots so near are at most one period apart, as a period
+// has at least four events.
 //
 // Latency:    3 clocks from row to hit_row and fires: RAM, potential, forwarding.
 // Throughput: 1 event per clock.
 // Stall:      nothing moves while advance is low.
 // Reset:      none; an event with inhibits high empties a cell.
-// RAM:        2^RHO_W words of 9 bits.
+// RAM:        2^RHO_W words of 12 bits.
 // Combinational paths: none; all outputs come from registers.
 `default_nettype none
 
@@ -43,30 +43,32 @@ module hough_angle #(
     // ---- memory ------------------------------------------------------------------------------------------------------
 
     (* ram_style = "block", no_rw_check *)
-    reg [STAMP_W-1:0] cells [0:(1<<RHO_W)-1];
-    reg [STAMP_W-1:0] found;
+    reg [STAMP_W+2:0] cells [0:(1<<RHO_W)-1];
+    reg [STAMP_W+2:0] found;
 
     reg  [2:0]         hit_potential;
     reg  [RHO_W-1:0]   hit_row_reg;
-    wire [2:0]         left       = inhibits ? 3'd0 : hit_potential + 3'd1;
-    wire [STAMP_W-1:0] write_word = hit_period + {{(STAMP_W - 3) {1'b0}}, left};
+    wire [2:0]         left = inhibits ? 3'd0 : hit_potential + 3'd1;
 
     always @(posedge clk) begin
-        if (advance && hit_event) cells[hit_row_reg] <= write_word;
+        if (advance && hit_event) cells[hit_row_reg] <= {left, hit_period};
         if (advance) found <= cells[row];
     end
 
     // ---- potential ---------------------------------------------------------------------------------------------------
 
-    reg  [RHO_W-1:0] found_row, past_row;
-    reg              found_same_first, found_same_second, found_same_third;  // the cell of the first slot ahead, of the second ...
-    reg              past_same_first;
-    reg  [2:0]       past_potential;
-    reg  [2:0]       last_left;  // by the slot that has left `hit`
+    reg  [RHO_W-1:0]   found_row, past_row;
+    reg                found_same_first, found_same_second, found_same_third;  // the cell of the first slot ahead, the second ...
+    reg                past_same_first;
+    reg                past_forwards;   // from the second or third slot ahead, not from the RAM
+    reg  [2:0]         past_forwarded;
+    reg  [2:0]         past_stored;     // potential in the RAM
+    reg  [STAMP_W-1:0] past_age;        // of it, in periods
+    reg  [2:0]         last_left;       // by the slot that has left `hit`
 
-    wire [STAMP_W-1:0] remains = found - found_period;
-    wire               empty   = |remains[STAMP_W-1:3];
-    wire               second  = found_same_second && hit_event;
+    wire               second         = found_same_second && hit_event;
+    wire               past_empty     = |past_age[STAMP_W-1:3] || past_age[2:0] > past_stored;
+    wire [2:0]         past_potential = past_forwards ? past_forwarded : past_empty ? 3'd0 : past_stored - past_age[2:0];
 
     function [2:0] leaked;  // a potential after the end of a period, if one has ended
         input [2:0] potential;
@@ -83,9 +85,10 @@ module hough_angle #(
 
             past_row          <= found_row;
             past_same_first   <= found_same_first;
-            past_potential    <= (second || found_same_third)
-                               ? leaked(second ? left : last_left, second ? found_leaks : last_leaks)
-                               : empty ? 3'd0 : remains[2:0];
+            past_forwards     <= second || found_same_third;
+            past_forwarded    <= leaked(second ? left : last_left, second ? found_leaks : last_leaks);
+            past_stored       <= found[STAMP_W+2:STAMP_W];
+            past_age          <= found_period - found[STAMP_W-1:0];
 
             hit_row_reg       <= past_row;
             hit_potential     <= (past_same_first && hit_event) ? leaked(left, past_leaks) : past_potential;

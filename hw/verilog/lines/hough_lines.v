@@ -11,7 +11,7 @@
 // Throughput: 1 token per clock.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty and clears the memory: 2^RHO_W + 6 clocks with idle low, and s_ready for most of them.
-// RAM:        ANGLES memories of 2^RHO_W words of 9 bits.
+// RAM:        ANGLES memories of 2^RHO_W words of 12 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -31,7 +31,7 @@ module hough_lines #(
     input  wire               rst,
 
     // register, which changes only in reset
-    input  wire [3:0]         leak_log2,  // log2 of the events in a period, 2 to 15
+    input  wire [3:0]         leak_log2,  // log2 of the events in a period, 2 to 9
 
     // tokens in
     input  wire               s_valid,
@@ -167,10 +167,10 @@ module hough_lines #(
     reg [TOKEN_W-1:0] share_token, row_token, found_token, past_token, hit_token, fired_token;
     reg [STAMP_W-1:0] period, row_period, found_period, past_period, hit_period;
     reg               last_period;    // of the slot that has left `hit`: the lowest bit of its period
-    reg [14:0]        phase;          // events of the period
+    reg [8:0]         phase;          // events of the period
     wire              inhibits;
 
-    wire [14:0] period_end = ~(15'h7fff << leak_log2);  // phase of its last event
+    wire [8:0]  period_end = ~(9'h1ff << leak_log2);  // phase of its last event
     wire        ends       = phase == period_end;
 
     always @(posedge clk) begin
@@ -191,7 +191,7 @@ module hough_lines #(
 
             rows <= next_rows;
             if (share_event && !share_clears) begin
-                phase  <= ends ? 15'd0 : phase + 15'd1;
+                phase  <= ends ? 9'd0 : phase + 9'd1;
                 period <= period + {{(STAMP_W - 1) {1'b0}}, ends};
             end
             row_period    <= period;
@@ -208,7 +208,7 @@ module hough_lines #(
             {hit_valid, hit_event, hit_clears}       <= 3'd0;
             fired_valid <= 1'b0;
             period      <= {STAMP_W{1'b0}};
-            phase       <= 15'd0;
+            phase       <= 9'd0;
         end
     end
 
@@ -250,9 +250,9 @@ module hough_lines #(
             fired_rows <= hit_rows;
         end
 
-    wire [ANGLES-1:0] first = fired & ~(fired - 1'b1);  // the lowest bit of `fired`
-    reg [ANGLE_W-1:0] angle;
-    reg [RHO_W-1:0]   rho;
+    wire [ANGLES-1:0]  first = fired & ~(fired - 1'b1);  // the lowest bit of `fired`
+    reg  [ANGLE_W-1:0] angle;
+    reg  [RHO_W-1:0]   rho;
 
     always @* begin : lowest
         integer i;

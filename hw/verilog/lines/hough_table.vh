@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constants of the line transform: word of a cell, and cosines of a quarter turn.
+// Constants of the line transform: bits of a period, and cosines of a quarter turn.
 // Generated from sw/evcot/hough/contract.py by `python -m evcot.hardware.generate`: edit there.
 // For the inside of a module, so it carries no include guard.
-localparam STAMP_W = 9;  // bits of a cell's word
+localparam STAMP_W = 9;  // bits of a period in a cell's word
 // 256 cos(j * pi / 32), rounded, 9 bits each; j = 0 in the lowest bits
 localparam [9*17-1:0] COSINES = {
     9'd0,

@@ -21,7 +21,7 @@ COSINES = tuple(round(256 * cos(pi * j / 32)) for j in range(17))
 """256 cos(j pi / 32), rounded, for a quarter turn; 16 angles take every second value."""
 
 STAMP_W = 9
-"""Bits of a cell's word, which is the period at which its potential reaches 0."""
+"""Bits of a period in a cell's word."""
 
 THRESHOLD = 8
 """Hits at which a cell fires."""
@@ -30,7 +30,7 @@ HOUGH_RANGES: dict[str, Range] = {
     "width": (1, 2048, "pixels of the sensor across"),
     "height": (1, 2048, "pixels of the sensor down"),
     "angles": (16, 32, "angles in half a turn, 16 or 32"),
-    "leak_log2": (2, 15, "log2 of the events in which each cell loses one hit"),
+    "leak_log2": (2, 9, "log2 of the events in which each cell loses one hit"),
 }
 """Limits and meanings of `HoughConfig`. The RTL checks those of the sensor and the angles at elaboration."""
 

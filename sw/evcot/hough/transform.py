@@ -80,9 +80,9 @@ def _transform(x, y, from_x, from_y, cells, rows, potentials, counts, leak_log2,
             rows[k] = (part_x[k] + part_y[k]) >> 3
         fires = False
         for k in range(angles):
-            potential = (np.int32(cells[k, rows[k]]) - period) & _MASK
-            potentials[k] = potential if potential < THRESHOLD else 0
-            fires |= potential == THRESHOLD - 1
+            word = np.int32(cells[k, rows[k]])  # the potential left, and the period in which it was
+            potentials[k] = max((word >> STAMP_W) - ((period - word) & _MASK), 0)
+            fires |= potentials[k] == THRESHOLD - 1
         if fires:
             winner = 0
             while potentials[winner] < THRESHOLD - 1:
@@ -93,6 +93,6 @@ def _transform(x, y, from_x, from_y, cells, rows, potentials, counts, leak_log2,
                 cells[k, rows[k]] = period
         else:
             for k in range(angles):
-                cells[k, rows[k]] = (period + potentials[k] + 1) & _MASK
+                cells[k, rows[k]] = (potentials[k] + 1) << STAMP_W | period
     counts[0], counts[1] = n, first + len(x)
     return count

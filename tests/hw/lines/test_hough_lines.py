@@ -16,7 +16,7 @@ TOP = "hough_lines"
 TOKEN = ("tick", "event", "skip", "x", "y", "p")
 IN, OUT = Bundle("s_", TOKEN), Bundle("m_", ("tick", "event", "skip", "angle", "rho", "x", "y", "p"))
 LATENCY = 8
-LEAST_STORIES = HoughConfig(32, 24, leak_log2=15)
+LEAST_STORIES = HoughConfig(32, 24, leak_log2=9)
 
 Words = NDArray[np.uint64]
 
@@ -116,7 +116,7 @@ class TestStories:
         assert words[25, 3:5].tolist() == [0, 36]
 
     def test_events_outside_the_sensor_are_dropped_and_hit_nothing(self) -> None:
-        device = device_of(HoughConfig(20, 20, leak_log2=15))
+        device = device_of(HoughConfig(20, 20, leak_log2=9))
         x, y = [9] * 7 + [20, 9, 9], [9] * 7 + [9, 31, 9]
         words = meant(device.run({"s_": tokens_of(x, y)}))
         assert words[:, 1].tolist() == [0] * 9 + [1]
