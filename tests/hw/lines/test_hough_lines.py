@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from evcot.hough.contract import HoughConfig
 from evcot.hough.transform import HoughTransform
 from support.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
-from support.testing import EXHAUSTIVE, lint
+from support.testing import EXHAUSTIVE
 
 TOP = "hough_lines"
 TOKEN = ("tick", "event", "skip", "x", "y", "p")
@@ -173,46 +173,3 @@ def test_a_token_takes_8_clocks_and_one_enters_per_clock() -> None:
     assert np.diff(run.accepted["s_"]).max() == 1
     assert set((run.given["m_"] - run.accepted["s_"]).tolist()) == {LATENCY}
     assert run.accepted["s_"][0] <= (1 << config.rho_w) + 6
-
-
-@pytest.mark.parametrize(
-    ("parameters", "rule"),
-    [
-        ({"X_W": 0}, "X_W_must_be_1_to_16"),
-        ({"X_W": 17}, "X_W_must_be_1_to_16"),
-        ({"Y_W": 0}, "Y_W_must_be_1_to_16"),
-        ({"Y_W": 17}, "Y_W_must_be_1_to_16"),
-        ({"TICK_W": 0}, "TICK_W_must_be_1_to_32"),
-        ({"TICK_W": 33}, "TICK_W_must_be_1_to_32"),
-        ({"WIDTH": 0}, "WIDTH_must_be_1_to_2048"),
-        ({"WIDTH": 2049}, "WIDTH_must_be_1_to_2048"),
-        ({"HEIGHT": 0}, "HEIGHT_must_be_1_to_2048"),
-        ({"HEIGHT": 2049}, "HEIGHT_must_be_1_to_2048"),
-        ({"ANGLES": 8}, "ANGLES_must_be_16_or_32"),
-        ({"ANGLES": 24}, "ANGLES_must_be_16_or_32"),
-        ({"ANGLE_W": 5}, "ANGLE_W_must_be_left_at_its_default"),
-        ({"RHO_W": 10}, "RHO_W_must_be_left_at_its_default"),
-    ],
-)
-def test_it_refuses_what_the_contract_refuses(parameters: dict[str, int], rule: str) -> None:
-    code, log = lint(TOP, **parameters)
-    assert code != 0
-    assert rule in log
-
-
-@pytest.mark.parametrize("rho_w", [3, 13])
-def test_an_angle_refuses_too_few_and_too_many_cells(rho_w: int) -> None:
-    code, log = lint("hough_angle", RHO_W=rho_w)
-    assert code != 0
-    assert "RHO_W_must_be_4_to_12" in log
-
-
-@pytest.mark.parametrize(
-    "limits",
-    [
-        {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1},
-        {"X_W": 16, "Y_W": 16, "TICK_W": 32, "WIDTH": 2048, "HEIGHT": 2048, "ANGLES": 32},
-    ],
-)
-def test_the_limits_themselves_lint_clean(limits: dict[str, int]) -> None:
-    assert lint(TOP, **limits) == (0, "")
