@@ -37,6 +37,8 @@ async function start() {
   const engines = sides.filter((side) => side.name !== "truth");
   const objects = new Objects(sides, facts.duration);
   const steps = new Steps(recording, objects, facts.mismatch);
+  for (const kind of $("#what").options) kind.disabled = steps.moments[kind.value]?.length === 0;
+  $("#what").value = ["merge", "birth"].find((kind) => steps.moments[kind].length) ?? "event";
   const axis = new Axis(facts.duration);
   const stage = new Stage($("#picture"), recording.surface.width, recording.surface.height);
   const rail = $("#rail");
