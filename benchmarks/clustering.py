@@ -38,7 +38,7 @@ from evcot.trackers.mean_shift.tracker import POLARITY_PX, PRESETS, MeanShiftCon
 from evcot.tracks.log import TrackLog
 from evcot.tracks.log_parts import sampled
 from evcot.tracks.tracking import track_recording
-from measure import Goal, Result, Timing, take_turns, timed
+from measure import Goal, Result, Timing, heading, line, take_turns, timed
 from shared import SHARED
 
 __all__ = ["EVENTS", "FRAMES", "PIPELINE", "Case", "Outcome", "as_written", "cases", "measure", "outcomes"]
@@ -329,8 +329,9 @@ def _or(value: float | None, form: str) -> str:
 
 def _table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     print(f"\n{title}\n")
-    for row in (head, ["---"] * len(head), *rows):
-        print("| " + " | ".join(row) + " |")
+    heading(*head)
+    for row in rows:
+        line(row)
 
 
 def _draw(done: Mapping[str, Sequence[Outcome]]) -> None:
@@ -338,11 +339,10 @@ def _draw(done: Mapping[str, Sequence[Outcome]]) -> None:
     figure, axes = plt.subplots(1, len(with_truth), figsize=(3.2 * len(with_truth), 3.4), layout="constrained", squeeze=False)
     for axis, (name, own) in zip(axes[0], with_truth.items(), strict=True):
         for method, marker in ((EVENTS, "o"), (FRAMES, "s"), (PIPELINE, "^")):
-            line = [one for one in own if one.method == method]
-            axis.plot(
-                [one.cpu for one in line], [one.hota for one in line], marker=marker, linewidth=1, markersize=4, label=method
-            )
-            for one in (line[0], line[-1]):
+            of_method = [one for one in own if one.method == method]
+            places = [one.cpu for one in of_method], [one.hota for one in of_method]
+            axis.plot(*places, marker=marker, linewidth=1, markersize=4, label=method)
+            for one in (of_method[0], of_method[-1]):
                 axis.annotate(one.label, (one.cpu, one.hota or 0.0), (3, 3), textcoords="offset points", fontsize=6)
         axis.set(title=name, xlabel="CPU seconds per second", xscale="log")
         axis.minorticks_off()

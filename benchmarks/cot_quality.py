@@ -31,7 +31,7 @@ from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
 from evcot.tracks.log_parts import sampled
 from exact import cot_log
-from measure import Result
+from measure import Result, heading, line
 from shared import SHARED
 from what_if import WHAT_IF, what_if
 
@@ -154,8 +154,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one simulated recording of each kind")
     groups = list(cases(parser.parse_args().quick))
-    _print_line(["", "engine", *(heading for heading, _ in _COLUMNS.values())])
-    _print_line(["---"] * (2 + len(_COLUMNS)))
+    heading("", "engine", *(title for title, _ in _COLUMNS.values()))
     bounds: dict[str, list[str]] = {}
     for group in groups:
         for name, engine in ENGINES.items():
@@ -164,14 +163,13 @@ def main() -> None:
             cells = [
                 format(float(np.mean([getattr(one, field) for one in scores])), form) for field, (_, form) in _COLUMNS.items()
             ]
-            _print_line([group[0].name, name, *cells])
+            line([group[0].name, name, *cells])
             if engine is _hardware:
                 bounds[group[0].name] = _bounds(list(zip(logs, group, strict=True)))
     print("\nHOTA of the hardware, if one kind of mistake were made good:\n")
-    _print_line(["", *WHAT_IF])
-    _print_line(["---"] * (1 + len(WHAT_IF)))
+    heading("", *WHAT_IF)
     for name, cells in bounds.items():
-        _print_line([name, *cells])
+        line([name, *cells])
 
 
 def _bounds(runs: list[tuple[TrackLog, Case]]) -> list[str]:
@@ -182,10 +180,6 @@ def _bounds(runs: list[tuple[TrackLog, Case]]) -> list[str]:
 def _frames(log: TrackLog, case: Case) -> Frames:
     outputs = sampled(log.record_runs(), case.truth.instants_us, case.rule.max_age_us)
     return line_up(outputs, case.truth, case.rule)[0]
-
-
-def _print_line(cells: list[str]) -> None:
-    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,6 @@ Run as a program with the arguments of `evcot`, it is the child process: it does
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -26,7 +24,7 @@ from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks
 from evcot_cosim.lockstep.long import run_long
 from evcot_cosim.lockstep.run_file import Source
 from measure import Clock, Goal, Result, Timing, take_turns, timed
-from memory import own_peak_mb
+from memory import child_peak_mb, own_peak_mb
 
 __all__ = ["measure"]
 
@@ -70,7 +68,7 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
             peaks = []
             for count in (short, short, long):
                 began = time.perf_counter()
-                peaks.append(_peak_mb([*arguments(command, count), "-q"], kernels))
+                peaks.append(child_peak_mb(__file__, *arguments(command, count), "-q", NUMBA_CACHE_DIR=str(kernels)))
             took_s = time.perf_counter() - began
             how = f"resident set of `evcot {' '.join(arguments(command, long)[:1])}` over {long:,} events"
             goal = Goal(1, at_most=True)
@@ -141,14 +139,6 @@ def _written(path: Path, recording: Recording, count: int) -> Path:
 
     write_events(path, (recording.width, recording.height), blocks())
     return path
-
-
-def _peak_mb(arguments: list[str], kernels: Path) -> float:
-    child = subprocess.run(
-        [sys.executable, __file__, *arguments], env=os.environ | {"NUMBA_CACHE_DIR": str(kernels)},
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    return float(child.stdout.splitlines()[-1])
 
 
 if __name__ == "__main__":

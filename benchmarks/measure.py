@@ -9,13 +9,13 @@ threads, and whatever waits, in wall time.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 from statistics import median
 from typing import Any, NamedTuple
 
-__all__ = ["Clock", "Goal", "Result", "Skip", "Timing", "Turns", "take_turns", "timed"]
+__all__ = ["Clock", "Goal", "Result", "Skip", "Timing", "Turns", "heading", "line", "take_turns", "timed"]
 
 
 class Skip(Exception):
@@ -119,3 +119,14 @@ def take_turns(runs: Mapping[str, Callable[[], Timing]], rounds: int) -> Turns:
         for name, run in runs.items():
             timings[name].append(run())
     return Turns(timings)
+
+
+def heading(*cells: str) -> None:
+    """Print the head of a table in Markdown."""
+    line(cells)
+    line(["---"] * len(cells))
+
+
+def line(cells: Iterable[str]) -> None:
+    """Print a row of a table in Markdown."""
+    print(f"| {' | '.join(cells)} |", flush=True)

@@ -6,6 +6,7 @@ Run as a program with a number of events, it is the child process: it streams th
 
 from __future__ import annotations
 
+import os
 import resource
 import subprocess
 import sys
@@ -16,7 +17,7 @@ import streams
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep
 from measure import Goal, Result
 
-__all__ = ["measure", "own_peak_mb"]
+__all__ = ["child_peak_mb", "measure", "own_peak_mb"]
 
 _GROWTH = 1.05
 
@@ -24,15 +25,18 @@ _GROWTH = 1.05
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
     """peak_memory."""
     long, short = (2_000_000, 200_000) if quick else (20_000_000, 2_000_000)
+    long_mb, short_mb = (child_peak_mb(__file__, events) for events in (long, short))
     yield Result(
-        "peak_memory", _peak_mb(long), "MB", _peak_mb(short), f"{short:,} events", goal=Goal(_GROWTH, at_most=True),
+        "peak_memory", long_mb, "MB", short_mb, f"{short:,} events", goal=Goal(_GROWTH, at_most=True),
         how=f"resident set of a checked lock-step over {long:,} events",
     )  # fmt: skip
 
 
-def _peak_mb(events: int) -> float:
-    child = subprocess.run([sys.executable, __file__, str(events)], capture_output=True, text=True, check=True)
-    return float(child.stdout)
+def child_peak_mb(program: str, *arguments: object, **variables: str) -> float:
+    """What a program of the benchmarks prints last: its peak."""
+    command = [sys.executable, program, *map(str, arguments)]
+    child = subprocess.run(command, env=os.environ | variables, capture_output=True, text=True, check=True)
+    return float(child.stdout.splitlines()[-1])
 
 
 def _main(events: int) -> None:

@@ -30,7 +30,7 @@ from evcot.tracks.log import TrackLog
 from evcot.tracks.tracking import log_of
 from field.draws import LOST
 from field.transforms import without
-from measure import Goal, Result
+from measure import Goal, Result, heading, line
 from shared import SHARED
 
 __all__ = [
@@ -293,19 +293,14 @@ def main() -> None:
     options = parser.parse_args()
     if unknown := set(options.engines) - set(_ENGINES):
         parser.error(f"{', '.join(sorted(unknown))}: must be some of {', '.join(_ENGINES)}")
-    _print_line(["", "engine", *(heading for heading, _ in _COLUMNS.values())])
-    _print_line(["---"] * (2 + len(_COLUMNS)))
+    heading("", "engine", *(title for title, _ in _COLUMNS.values()))
     for group in groups(options.quick):
         for engine in options.engines or _ENGINES:
             found = quality(group, engine)
             values = [(getattr(found, field), form) for field, (_, form) in _COLUMNS.items()]
-            _print_line([group[0].name, engine, *("" if value is None else format(value, form) for value, form in values)])
+            line([group[0].name, engine, *("" if value is None else format(value, form) for value, form in values)])
     if not traffic_is_here():
         print(f"\n{_ABSENT}")
-
-
-def _print_line(cells: list[str]) -> None:
-    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ Run as a program with a number of events, it is the child process: it tracks the
 from __future__ import annotations
 
 import importlib
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -26,7 +25,7 @@ from evcot.events import Events
 from evcot.trackers.rct.config import PRESETS, RctConfig
 from evcot.trackers.rct.tracker import RctTracker
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
-from memory import own_peak_mb
+from memory import child_peak_mb, own_peak_mb
 
 __all__ = ["measure"]
 
@@ -161,15 +160,11 @@ def _latencies(events: Events) -> Iterator[Result]:
 
 def _memory(quick: bool) -> Iterator[Result]:
     long, short = (20_000_000, 2_000_000) if quick else (1_000_000_000, 10_000_000)
+    long_mb, short_mb = (child_peak_mb(__file__, events) for events in (long, short))
     yield Result(
-        "rct_peak_memory", _peak_mb(long), "MB", _peak_mb(short), f"{short:,} events", goal=Goal(_GROWTH, at_most=True),
+        "rct_peak_memory", long_mb, "MB", short_mb, f"{short:,} events", goal=Goal(_GROWTH, at_most=True),
         how=f"resident set over {long:,} events",
     )  # fmt: skip
-
-
-def _peak_mb(events: int) -> float:
-    child = subprocess.run([sys.executable, __file__, str(events)], capture_output=True, text=True, check=True)
-    return float(child.stdout)
 
 
 def _main(n: int) -> None:

@@ -119,12 +119,7 @@ def _aedat3(events: Events) -> bytes:
 def _mcap(events: Events, folder: Path) -> Path:
     """A ROS 2 bag of dvs_msgs/EventArray, whose bytes are laid out here: the library would make an object of every event."""
     from rosbags.rosbag2 import StoragePlugin, Writer
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    kind = "dvs_msgs/msg/EventArray"
-    store.register(get_types_from_msg("uint16 x\nuint16 y\nbuiltin_interfaces/Time ts\nbool polarity\n", "dvs_msgs/msg/Event"))
-    store.register(get_types_from_msg("std_msgs/Header header\nuint32 height\nuint32 width\ndvs_msgs/Event[] events\n", kind))
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         topic = writer.add_connection("/dvs/events", _EVENT_ARRAY, typestore=_message_types())
         for begin in range(0, len(events), _MESSAGE_EVENTS):

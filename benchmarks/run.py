@@ -29,7 +29,6 @@ _BENCHMARKS = (
     "filters",
     "scenes",
     "latency",
-    "replay",
     "starts",
     "memory",
     "long",

@@ -30,7 +30,7 @@ from evcot.trackers.presets import fit, preset
 from evcot.tracks.log import Kind, TrackLog
 from exact import cot_log
 from following import follow
-from measure import Result
+from measure import Result, heading, line
 
 __all__ = [
     "ADJUSTMENTS",
@@ -272,13 +272,12 @@ def main() -> None:
     for speed in SPEEDS:
         scenes = [scene(speed, seed) for seed in range(1, 1 + options.seeds)]
         print(f"{speed} boxes, seeds 1 to {options.seeds}\n")
-        _print_line(["N_ev", "TC, ms", "adjusted", *(heading for heading, _ in _COLUMNS.values())])
-        _print_line(["---"] * (3 + len(_COLUMNS)))
+        heading("N_ev", "TC, ms", "adjusted", *(title for title, _ in _COLUMNS.values()))
         for adjustment, n_ev, tc_ms in product(Adjustment, N_EV, TC_MS):
             setting = Setting(n_ev, tc_ms, adjustment, options.hist_avg)
             mean = _mean([outcome(of, setting, rtl=not options.model) for of in scenes])
             cells = [format(getattr(mean, name), form) for name, (_, form) in _COLUMNS.items()]
-            _print_line([str(n_ev), str(tc_ms), adjustment, *cells])
+            line([str(n_ev), str(tc_ms), adjustment, *cells])
         print()
     if options.figure:
         print(draw(_FIGURE))
@@ -286,10 +285,6 @@ def main() -> None:
 
 def _mean(outcomes: Sequence[Outcome]) -> Outcome:
     return Outcome(**{field.name: fmean(getattr(one, field.name) for one in outcomes) for field in fields(Outcome)})
-
-
-def _print_line(cells: Sequence[str]) -> None:
-    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

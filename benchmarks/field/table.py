@@ -12,6 +12,7 @@ import numpy as np
 
 from field.draws import Difference, Estimate, differences, estimate, marking, mean_difference, mean_of
 from field.scoring import Score
+from measure import heading, line
 
 __all__ = [
     "FIGURES",
@@ -93,7 +94,7 @@ def print_table(rows: Mapping[str, Sequence[Scored]]) -> None:
     """One line a contender with its settings: mean over the families, and the worst family."""
     figures = [figure for figure in FIGURES if any(by_family(scored, figure) for scored in rows.values())]
     headings = ["", *(FIGURES[figure] for figure in figures), "worst HOTA", "in", "tracks on empty recordings", "M events/s"]
-    _heading(headings)
+    heading(*headings)
     for title, scored in rows.items():
         cells = [title]
         for figure in figures:
@@ -108,29 +109,29 @@ def print_table(rows: Mapping[str, Sequence[Scored]]) -> None:
         cells.append(f"{empty / max(len(draws), 1):.1f}" if len(with_objects) < len(scored) else "")
         rates = [one.score.events_per_s for one in with_objects if one.score.events_per_s]
         cells.append(f"{np.median(rates) / 1e6:.1f}" if rates else "")
-        _line(cells)
+        line(cells)
 
 
 def print_families(rows: Mapping[str, Mapping[str, Estimate]], seed_sets: Iterable[int]) -> None:
     """One line a family, one column a contender."""
     families = list(dict.fromkeys(family for row in rows.values() for family in row))
     sets = list(seed_sets)
-    _heading(["", "", *rows])
+    heading("", "", *rows)
     for family in families:
-        _line([family, marking(family, sets), *(str(row.get(family, "")) for row in rows.values())])
-    _line(["mean", "", *(str(mean_of(row.values())) if row else "" for row in rows.values())])
-    _line(["worst", "", *(str(min(row.values())) if row else "" for row in rows.values())])
+        line([family, marking(family, sets), *(str(row.get(family, "")) for row in rows.values())])
+    line(["mean", "", *(str(mean_of(row.values())) if row else "" for row in rows.values())])
+    line(["worst", "", *(str(min(row.values())) if row else "" for row in rows.values())])
 
 
 def print_members(rows: Mapping[str, Sequence[Scored]]) -> None:
     """One line a member and contender: how far its draws lie apart."""
-    _heading(["", "member", "", "HOTA", "standard deviation", "minimum", "maximum"])
+    heading("", "member", "", "HOTA", "standard deviation", "minimum", "maximum")
     for title, scored in rows.items():
         for family, members in by_member(scored, "hota").items():
             for name, by_draw in members.items():
                 hota = list(by_draw.values())
                 deviation = f"{np.std(hota, ddof=1):.3f}" if len(hota) > 1 else ""
-                _line([family, name, title, f"{np.mean(hota):.3f}", deviation, f"{min(hota):.3f}", f"{max(hota):.3f}"])
+                line([family, name, title, f"{np.mean(hota):.3f}", deviation, f"{min(hota):.3f}", f"{max(hota):.3f}"])
 
 
 def print_differences(rows: Mapping[str, tuple[Sequence[Scored], Sequence[Scored]]]) -> None:
@@ -142,12 +143,12 @@ def print_differences(rows: Mapping[str, tuple[Sequence[Scored], Sequence[Scored
         figure: {title: differences(*(by_member(own, figure) for own in pair)) for title, pair in rows.items()}
         for figure in _COMPARED
     }
-    _heading(["difference", *rows])
+    heading("difference", *rows)
     families = list(dict.fromkeys(family for row in found["hota"].values() for family in row))
     for family in families:
-        _line([family, *(str(row.get(family, "")) for row in found["hota"].values())])
+        line([family, *(str(row.get(family, "")) for row in found["hota"].values())])
     for figure, row in found.items():
-        _line([f"mean, {FIGURES[figure]}", *(str(mean_difference(own.values())) if own else "" for own in row.values())])
+        line([f"mean, {FIGURES[figure]}", *(str(mean_difference(own.values())) if own else "" for own in row.values())])
 
 
 def picture(rows: Mapping[str, Mapping[str, Estimate]], title: str, path: Path) -> None:
@@ -176,12 +177,3 @@ def picture(rows: Mapping[str, Mapping[str, Estimate]], title: str, path: Path) 
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=130)
     plt.close(figure)
-
-
-def _heading(cells: Sequence[str]) -> None:
-    _line(cells)
-    _line(["---"] * len(cells))
-
-
-def _line(cells: Sequence[str]) -> None:
-    print("| " + " | ".join(cells) + " |", flush=True)

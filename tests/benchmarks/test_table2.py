@@ -3,26 +3,18 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import asdict, replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
+import following
+import table2
 from evcot.scenes.boxes import BoxExperiment, simulate
 from evcot.scenes.scene import Scene
 from evcot.tracks.log import TRACK, Kind, TrackLog
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 LIFETIME_US = 20_000
-
-
-@pytest.fixture
-def benchmark(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
-    return importlib.import_module
 
 
 @pytest.fixture(scope="module")
@@ -45,8 +37,8 @@ def ideal(scene: Scene, late_us: int) -> TrackLog:
 
 
 @pytest.mark.parametrize("late_us", [0, 2_000, 10_000])
-def test_lag_is_how_late_a_track_is(benchmark: Any, scene: Scene, late_us: int) -> None:
-    found = benchmark("following").follow(ideal(scene, late_us), scene, LIFETIME_US)
+def test_lag_is_how_late_a_track_is(scene: Scene, late_us: int) -> None:
+    found = following.follow(ideal(scene, late_us), scene, LIFETIME_US)
     assert np.median(found.lag_ms) == pytest.approx(late_us / 1_000, abs=0.1)
     assert np.median(found.lag_px) == pytest.approx(0.4 * np.median(found.lag_ms), abs=0.01)  # 400 px/s
     assert np.median(found.error_px) == pytest.approx(np.median(found.lag_px), abs=0.02)
@@ -54,23 +46,22 @@ def test_lag_is_how_late_a_track_is(benchmark: Any, scene: Scene, late_us: int) 
     assert (found.lost, found.born) == (0, len(scene.truth.boxes))
 
 
-def test_a_track_that_is_ahead_has_a_lag_below_zero(benchmark: Any, scene: Scene) -> None:
-    found = benchmark("following").follow(ideal(scene, -5_000), scene, LIFETIME_US)
+def test_a_track_that_is_ahead_has_a_lag_below_zero(scene: Scene) -> None:
+    found = following.follow(ideal(scene, -5_000), scene, LIFETIME_US)
     assert np.median(found.lag_ms) == pytest.approx(-5, abs=0.1)
 
 
-def test_only_a_life_that_ends_on_a_moving_box_is_lost_on_the_way(benchmark: Any, scene: Scene) -> None:
+def test_only_a_life_that_ends_on_a_moving_box_is_lost_on_the_way(scene: Scene) -> None:
     log = ideal(scene, 0)
     x, y = scene.truth.boxes[0].centre(np.array([200_000]))
     ends = np.zeros(2, TRACK)
     ends["t_us"], ends["kind"], ends["track_id"], ends["other_id"] = 200_000, Kind.LOST, (0, 1), -1
     ends["x"], ends["y"] = x[0], (y[0], y[0] + 20)  # on the box, and 20 px below it
     records = np.concatenate((log.records[log.records["t_us"] <= 200_000], ends))
-    assert benchmark("following").follow(TrackLog("cot_array", records, log.owner), scene, LIFETIME_US).lost == 1
+    assert following.follow(TrackLog("cot_array", records, log.owner), scene, LIFETIME_US).lost == 1
 
 
-def test_settings_are_those_of_the_paper(benchmark: Any) -> None:
-    table2 = benchmark("table2")
+def test_settings_are_those_of_the_paper() -> None:
     for adjustment in table2.Adjustment:
         config = table2.configured(table2.Setting(3, 7, adjustment), (346, 260)).hardware
         slot = config.slots[0]
@@ -78,28 +69,26 @@ def test_settings_are_those_of_the_paper(benchmark: Any) -> None:
         assert slot.max_ticks * config.tick_us == 7_000
         assert slot.detect_ticks * config.tick_us == 5_000  # the same whatever a tick is
         assert (slot.nev_min == slot.nev_max) == (adjustment is table2.Adjustment.FIXED)
-    assert {table2.Setting(*setting[1:], table2.Adjustment.FIXED) for setting in benchmark("table2")._PAPERS} == {
+    assert {table2.Setting(*setting[1:], table2.Adjustment.FIXED) for setting in table2._PAPERS} == {
         table2.Setting(n_ev, tc_ms, table2.Adjustment.FIXED) for n_ev, tc_ms in ((8, 20), (5, 7), (3, 7))
     }
 
 
-def test_time_at_each_n_ev_is_weighted_by_how_long_it_lasted(benchmark: Any) -> None:
+def test_time_at_each_n_ev_is_weighted_by_how_long_it_lasted() -> None:
     records = np.zeros(5, TRACK)
     records["t_us"], records["track_id"], records["n_ev"] = (0, 10, 15, 40, 100), (0, 1, 0, 0, 1), (8, 4, 16, 8, 2)
-    n_ev, lasted_us = benchmark("table2").n_ev_over_time(TrackLog("cot_array", records, np.zeros(1, np.int16)))
+    n_ev, lasted_us = table2.n_ev_over_time(TrackLog("cot_array", records, np.zeros(1, np.int16)))
     assert list(zip(n_ev.tolist(), lasted_us.tolist(), strict=True)) == [(8, 15), (16, 25), (4, 90)]
 
 
-def test_hardware_and_model_give_one_outcome(benchmark: Any, scene: Scene) -> None:
-    table2 = benchmark("table2")
+def test_hardware_and_model_give_one_outcome(scene: Scene) -> None:
     short = replace(scene, recording=replace(scene.recording, events=scene.recording.events[:20_000]))
     setting = table2.Setting(3, 7, table2.Adjustment.WIDE)
     assert asdict(table2.outcome(short, setting)) == asdict(table2.outcome(short, setting, rtl=False))
 
 
-def test_n_ev_does_not_decide_how_far_a_centre_lags_in_pixels_but_alpha_does(benchmark: Any) -> None:
+def test_n_ev_does_not_decide_how_far_a_centre_lags_in_pixels_but_alpha_does() -> None:
     """Events come as often as the box moves, so a lag counted in events is one in pixels, whatever the speed."""
-    table2 = benchmark("table2")
     lag_px = {
         (speed, hist_avg): table2.outcome(
             table2.scene(speed, 1, 600_000), table2.Setting(8, 20, table2.Adjustment.FIXED, hist_avg), rtl=False
