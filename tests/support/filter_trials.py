@@ -1,21 +1,139 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Support for tests of the filters: random traffic that stresses them, and a comparison that reports the first difference."""
+"""Support for tests of the filters: their hardware, random traffic that stresses them, a comparison with a reference."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from evcot.ticks import TickedEvents
-from evcot_cosim.devices.filter_device import FilterDevice
+from evcot_cosim.devices.base import HardwareError, Stalls, check_waits
 
-from .tokens import ticked
+from .stream_device import StreamDevice
+from .tokens import TOKENS_IN, TOKENS_OUT, ticked
 
-__all__ = ["FilterTraffic", "compare_with_reference", "filter_traffic", "parameters", "run_story"]
+__all__ = [
+    "FilterDevice",
+    "FilterTimes",
+    "FilterTraffic",
+    "compare_with_reference",
+    "filter_traffic",
+    "parameters",
+    "run_story",
+]
+
+
+class FilterTimes(NamedTuple):
+    """Clocks at which events were accepted and sent on, (n,) int64 each."""
+
+    accepted: NDArray[np.int64]
+    given: NDArray[np.int64]
+
+
+class FilterDevice(StreamDevice):
+    """One simulated module with the token ports of a filter.
+
+    Every output token is checked against the input: the same number of tokens in the same order with the same ticks, an
+    event unchanged or dropped, a skipped event still skipped, and each token held until accepted.
+
+    Args:
+        ports: values of its configuration inputs, such as `enable`; `set` changes them.
+        stalls: as of `stall`.
+    """
+
+    def __init__(
+        self,
+        top: str,
+        parameters: Mapping[str, int] | None = None,
+        ports: Mapping[str, int] | None = None,
+        *,
+        stalls: Stalls | None = None,
+        verilog: Path | None = None,
+    ) -> None:
+        super().__init__(top, parameters, inputs=[TOKENS_IN], outputs=[TOKENS_OUT], ports=ports, has_idle=True, verilog=verilog)
+        self.stall(stalls or Stalls())
+
+    def stall(self, stalls: Stalls) -> None:
+        """Stall the input by `source` and the output by `passed` from now on."""
+        self.stalls = {"s_": stalls.source, "m_": stalls.passed}
+
+    def reset(self) -> None:
+        """Reset the hardware to tick 0 and wait until it is idle; `settled_after` is the number of clocks that took."""
+        super().reset()
+        self.now = 0
+        self.settled_after = self.settle()
+        self.cycle = 0
+
+    def settle(self) -> int:
+        """Clock without input until the hardware is idle; returns how many clocks that took."""
+        return self.run().clocks - 1  # in the last it is idle
+
+    def write(self, address: int, data: int) -> None:
+        """Write one register through the port `cfg_valid`, `cfg_addr`, `cfg_data`."""
+        self.set(cfg_valid=1, cfg_addr=address, cfg_data=data)
+        self.sim.clock.tick()
+        self.set(cfg_valid=0)
+
+    def stream(self, events: TickedEvents, keep: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
+        """Drive a run of events through the hardware, wait until it is idle again, and return which of them stay, (n,).
+
+        Args:
+            events: with addresses below 2^X_W and 2^Y_W; long waits become tokens of ticks alone.
+            keep: (n,) bool, what filters in front let stay; the others go in as skipped events. None: all.
+
+        Raises:
+            HardwareError: a token was lost, invented, changed or withdrawn, or there was no progress.
+            RecordingError: a wait between two events would take too many clocks. Nothing was driven.
+        """
+        return self.stream_timed(events, keep)[0]
+
+    def stream_timed(
+        self, events: TickedEvents, keep: NDArray[np.bool_] | None = None
+    ) -> tuple[NDArray[np.bool_], FilterTimes]:
+        """As `stream`, with the clocks at which events were taken and handed on."""
+        tick_max = (1 << int(self.sim.io["s_tick"].signal.width)) - 1
+        check_waits(events.ticks, self.now, tick_max)
+        waits = np.diff(events.ticks, prepend=self.now)
+        full = np.maximum(waits - 1, 0) // tick_max  # tokens of ticks alone before each event
+        of_event = np.cumsum(full + 1) - 1
+        sent = np.zeros((int(of_event[-1]) + 1 if len(events) else 0, len(TOKENS_IN.fields)), np.uint64)
+        sent[:, 0] = tick_max
+        sent[of_event, 0] = waits - full * tick_max
+        skip = np.zeros(len(events), np.bool_) if keep is None else ~events.mask(keep)
+        sent[of_event, 1], sent[of_event, 2] = ~skip, skip
+        for column, values in ((3, events.x), (4, events.y), (5, events.p)):
+            sent[of_event, column] = values
+        run = self.run({"s_": sent})
+        self.now = int(events.ticks[-1]) if len(events) else self.now
+        return self._checked(sent, run.words["m_"], of_event), FilterTimes(
+            run.accepted["s_"][of_event], run.given["m_"][of_event]
+        )
+
+    def _checked(self, sent: NDArray[np.uint64], given: NDArray[np.uint64], of_event: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Which events stay, where every token is what it may be."""
+        both = min(len(sent), len(given))
+        ours, theirs = sent[:both], given[:both]
+        stays = theirs[:, 1] == 1
+        alone = (ours[:, 1] | ours[:, 2]) == 0
+        unchanged = (theirs[:, 1:] == ours[:, 1:]).all(axis=1)
+        dropped = (theirs[:, 1] == 0) & (theirs[:, 2] == 1) & ~alone
+        for what, wrong in (
+            ("changed the ticks", theirs[:, 0] != ours[:, 0]),
+            ("changed more than whether it stays,", ~np.where(alone, (theirs[:, 1:3] == 0).all(axis=1), unchanged | dropped)),
+        ):
+            if wrong.any():
+                event = int(np.searchsorted(of_event, np.argmax(wrong)))
+                raise HardwareError(f"{self.top} {what} at event {event}", event)
+        if len(sent) != len(given):
+            raise HardwareError(f"{self.top} gave {len(given)} tokens for {len(sent)}", both)
+        kept: NDArray[np.bool_] = stays[of_event]
+        return kept
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated hardware as an object: streaming and interactive drive, faults, waveforms, memory."""
+"""The simulated hardware as an object: streaming and interactive drive, faults, waveforms, memory; rows of ports; long gaps."""
 
 from __future__ import annotations
 
+import errno
 import subprocess
 import sys
-import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError, OutputError, RecordingError
-from evcot.events import Events
+from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
@@ -28,14 +28,23 @@ from evcot.ticks import TickedEvents
 from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import run_config
 from evcot.tracks.log import Kind
-from evcot_cosim.cli import main
-from evcot_cosim.devices.base import HardwareError, Stalls
+from evcot_cosim.devices.base import (
+    SILENT_CLOCKS_MAX,
+    HardwareError,
+    Stalls,
+    check_silence,
+    check_waits,
+)
 from evcot_cosim.devices.device import Device, _order_of, build_device
+from evcot_cosim.devices.published_device import Top, rtl, simulation
 from evcot_cosim.devices.tracker import DeviceTracker
+from evcot_cosim.lockstep.cosim import run_cosim
 from evcot_cosim.lockstep.lockstep import Lockstep
 from evcot_cosim.lockstep.random_runs import random_motion_run, random_outlines
 from evcot_cosim.rtl import build as building
 from evcot_cosim.waves.vcd import parse
+from support.filter_trials import FilterDevice
+from support.full_disk import full_disk
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
 from support.tokens import ticked
 from support.trials import bare_device, random_traffic
@@ -325,24 +334,15 @@ class TestDumping:
             pytest.fail("the block must not run")
         assert len(device.stream(traffic(50)).owner) == 50
 
-    def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
-        script = f"""
-import resource, signal, sys
-sys.path[:0] = {PATHS!r}
-import test_device as t
-from pathlib import Path
-from evcot.errors import OutputError
-device = t.bare_device(t.config_of("cot_array"))
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-try:
-    with device.dumping(Path({str(tmp_path)!r}) / "w.vcd"):
-        decided = device.stream(t.traffic(5000))
-except OutputError as error:
-    print(len(decided.owner), error)
-"""
-        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-        assert done.stdout == f"5000 {tmp_path}/w.vcd: cannot be written: File too large\n", done.stderr
+    @pytest.mark.parametrize("room", [0, 200_000])  # of the declarations alone, of changes
+    def test_a_full_disk_leaves_no_file_and_the_stream_goes_on(self, room: int, tmp_path: Path) -> None:
+        device = Device(config_of("cot_array"))
+        too_large = pytest.raises(OutputError, match=r"w\.vcd: cannot be written: File too large$")
+        with full_disk(room), too_large as said, device.dumping(tmp_path / "w.vcd"):
+            assert room
+            assert len(device.stream(traffic(5000)).owner) == 5000
+        assert isinstance(said.value.__cause__, OSError)
+        assert said.value.__cause__.errno == errno.EFBIG
         assert list(tmp_path.iterdir()) == []
 
 
@@ -431,7 +431,91 @@ def test_outlines_stay_on_the_sensor() -> None:
         assert np.all(np.diff(events.ticks) >= 0)
 
 
-def test_a_command_compares_hardware_and_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(["cosim", "discs", "--to", "0.1", "--preset", "motion", "-o", "out"]) == 0
-    assert tomllib.loads((tmp_path / "out" / "run.toml").read_text())["hardware"] == "cot_motion"
+ROW = np.dtype([("rst", "u1"), ("d", "u1")])
+OUT = np.dtype([("q", "u1")])
+FLIP_FLOP = Top("dff", (("RESET_TO_COMPLEMENT", 0),), ROW, OUT)
+VALUES = np.array([1, 1, 0, 1, 0, 0, 1])
+
+
+def rows(values: np.ndarray, rst: int = 0) -> np.ndarray:  # type: ignore[type-arg]
+    given = np.zeros(len(values), ROW)
+    given["rst"], given["d"] = rst, values
+    return given
+
+
+def test_outputs_are_those_before_the_edge_and_a_simulation_goes_on() -> None:
+    rtl(FLIP_FLOP, rows(VALUES[:1], rst=1))
+    parts = [rtl(FLIP_FLOP, rows(part))["q"] for part in (VALUES[:3], VALUES[3:3], VALUES[3:])]
+    assert np.concatenate(parts).tolist() == [0, *VALUES[:-1]]
+
+
+def test_a_port_that_is_not_valid_is_read_as_zero() -> None:
+    never = replace(FLIP_FLOP, valid_with=(("q", "q"),))  # valid only while it is 0
+    assert not rtl(never, rows(VALUES))["q"].any()
+
+
+def test_one_simulation_does_not_touch_another() -> None:
+    other = simulation.__wrapped__(FLIP_FLOP)
+    rtl(FLIP_FLOP, rows(np.array([0, 0])))
+    rtl(FLIP_FLOP, rows(np.array([1])), other)
+    assert rtl(FLIP_FLOP, rows(np.array([0])))["q"].tolist() == [0]
+    assert rtl(FLIP_FLOP, rows(np.array([0])), other)["q"].tolist() == [1]
+
+
+NOW_US = 1_700_000_000_000_000  # microseconds since 1970
+
+
+def events_at(*t_us: int) -> Events:
+    n = len(t_us)
+    return Events(np.array(t_us, np.int64), np.full(n, 5, np.uint16), np.full(n, 5, np.uint16), np.ones(n, np.uint8))
+
+
+def narrow(**shape: int) -> CotConfig:
+    return CotConfig.uniform(Shape(n_slots=1, **shape), SlotConfig(), module="cot")
+
+
+def test_the_longest_gap_is_named_with_its_place_and_the_way_out() -> None:
+    config = narrow()
+    with pytest.raises(RecordingError) as caught:
+        check_silence(np.array([3, 4, 4 + (1 << 44) // 1000, NOW_US, NOW_US + 5]), config)
+    assert str(caught.value).startswith("event 3: t = 1700000000000000 us follows t = 17592186048 us: a gap of 1.69998e+09 s")
+    assert str(caught.value).endswith("must be at most 16777216; take a part without it (--from, --to), or a longer tick_us")
+
+
+@pytest.mark.parametrize("first", [0, 7])
+def test_the_bound_is_exact_and_knows_the_event_before(first: int) -> None:
+    config = narrow()
+    most_us = (SILENT_CLOCKS_MAX + 1) * ((1 << config.shape.tick_w) - 1) - 1
+    check_silence(np.array([most_us]), config, first, 0)
+    check_silence(np.array([0, most_us]), config, first)
+    check_silence(np.array([NOW_US]), config, first)
+    for times, before, index in (([most_us + 1], 0, first), ([0, most_us + 1], None, first + 1)):
+        with pytest.raises(RecordingError, match=f"^event {index}: "):
+            check_silence(np.array(times), config, first, before)
+        with pytest.raises(RecordingError, match=f"^event {index}: tick {most_us + 1} follows tick 0: "):
+            check_waits(np.array(times), before or 0, (1 << config.shape.tick_w) - 1, first)
+
+
+def test_no_drive_begins_a_gap_of_decades() -> None:
+    """Each would go on for minutes: that the test ends shows that none begins."""
+    events, config = events_at(0, 1, NOW_US), RunConfig(hardware=narrow())
+    with pytest.raises(RecordingError, match=r"^story: event 2: t = 1700000000000000 us follows t = 1 us"):
+        run_cosim(Recording(events, 64, 64, "story"), config)
+    ticked = TickedEvents.of(events)
+    for device in (Device(config.hardware), FilterDevice("filter_polarity", ports={"enable": 0})):
+        with pytest.raises(RecordingError, match=r"^event 2: tick 1700000000000000 follows tick 1: "):
+            device.stream(ticked)
+        assert device.now == device.cycle == 0
+    with Lockstep(config.hardware) as lockstep:
+        lockstep.feed(events[:2])
+        clocks = lockstep.device.cycle
+        with pytest.raises(RecordingError, match=r"^event 2: t = "):
+            lockstep.feed(events[2:])
+        assert lockstep.device.cycle == clocks
+
+
+def test_a_day_of_silence_is_driven() -> None:
+    with Lockstep(narrow()) as lockstep:
+        lockstep.feed(events_at(0, 1, 86_400_000_000))
+        assert lockstep.device.now == 86_400_000_000
+        assert lockstep.device.cycle > 82_000

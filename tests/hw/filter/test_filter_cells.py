@@ -11,8 +11,7 @@ from evcot.filters.chain import FilterChain
 from evcot.filters.contract import CELL_STAMP_W, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
+from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
 from support.tokens import ticked
 
 TOP = "filter_cells"
@@ -215,7 +214,7 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int, int]) 
             support=int(rng.choice([1, 1, 2, 3, 8])), shift=shift,
         )  # fmt: skip
         device.reset()
-        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        device.stall(Stalls.random(rng) if run % 2 else Stalls())
         rate, gap = float(rng.choice([0, 0.1, 1, 5])), 6 * most << shift
         traffic = filter_traffic(rng, n, width, height, ticks_per_event=rate, longest_gap=gap, gaps=50 / n, beyond=1)
         stayed.append(compare_with_reference(device, traffic, lambda batch: golden(device, batch), parts=1 + run % 3))

@@ -14,9 +14,8 @@ from evcot.filters.chain import FilterChain
 from evcot.filters.contract import FILTER_REGISTERS, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
 from evcot_cosim.rtl.files import rtl_files
-from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic
 from support.tokens import ticked
 
 ALL = (1 << len(Filter)) - 1
@@ -99,7 +98,7 @@ def test_every_choice_of_filters_is_exact(device: FilterDevice) -> None:
     kept = []
     for enable in range(ALL + 1):
         rng = np.random.default_rng([71, enable])
-        device.stalls = Stalls.random(rng) if enable % 3 == 1 else Stalls()
+        device.stall(Stalls.random(rng) if enable % 3 == 1 else Stalls())
         kept.append(agrees(device, random_registers(rng, enable), rng, 1200))
     assert kept[0] > 0.94  # but for those that came in dropped
     assert all(kept[1 << which] < kept[0] for which in Filter)
@@ -112,7 +111,7 @@ def test_all_filters_together_are_exact(device: FilterDevice) -> None:
     kept = []
     for run in range(6):
         rng = np.random.default_rng([72, run])
-        device.stalls = Stalls.random(rng) if run % 3 == 1 else Stalls()
+        device.stall(Stalls.random(rng) if run % 3 == 1 else Stalls())
         lenient = replace(
             random_registers(rng, ALL),
             activity_support=1,
@@ -158,7 +157,7 @@ def test_with_cells_refractory_and_activity_are_one_and_decide_the_same(side: in
     device, kept = chain(has, shape), []
     for run in range(4):
         rng = np.random.default_rng([76, side, has, run])
-        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        device.stall(Stalls.random(rng) if run % 2 else Stalls())
         enable = has if run % 2 else has & int(rng.integers(ALL + 1))
         shift = {1: 0, 2: 2, 4: 4}[side]
         registers = replace(
@@ -179,7 +178,7 @@ def test_a_row_of_none_is_a_wire() -> None:
 
 def test_registers_written_between_runs_count_from_then_on(device: FilterDevice) -> None:
     """Disabled and enabled again, a filter remembers what it saw before."""
-    device.stalls = Stalls()
+    device.stall(Stalls())
     device.reset()
     write(device, FilterRegisters(enable=1 << Filter.ACTIVITY, activity_ticks=100))
 

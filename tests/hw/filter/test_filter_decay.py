@@ -11,8 +11,7 @@ from evcot.filters.contract import FilterShape
 from evcot.filters.decay import DecayFilter, weights
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
+from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
 from support.tokens import ticked
 
 TOP = "filter_decay"
@@ -173,7 +172,7 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int]) -> No
         epsilon, support = int(rng.choice([0, 3, 10, 200])), int(rng.choice([1, 100, 200, 500, 1200]))
         device.set(decay_rate=rate, decay_epsilon=epsilon, decay_support=support)
         device.reset()
-        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        device.stall(Stalls.random(rng) if run % 2 else Stalls())
         unit = ONE_A_TICK / rate
         gap = int(unit * (2048 if shape[2] > 1 else 600))
         waits = float(rng.choice([0, 0.1 * unit, min(unit, 20)]))
@@ -203,7 +202,7 @@ def test_random_traffic_is_exact_with_cells(shape: tuple[int, int, int, int]) ->
         rate = ONE_A_TICK if run == 0 else int(2 ** rng.uniform(14, 24))
         device.set(decay_rate=rate, decay_epsilon=int(rng.choice([0, 3, 10])), decay_support=int(rng.choice([1, 200, 500])))
         device.reset()
-        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        device.stall(Stalls.random(rng) if run % 2 else Stalls())
         unit = ONE_A_TICK / rate
         gap = int(unit * (2048 if tick_w > 1 else 600))
         waits = float(rng.choice([0, 0.1 * unit, min(unit, 20)]))
@@ -262,7 +261,7 @@ class TestClocks:
     def test_where_one_clock_in_four_is_taken_the_walk_holds_no_event_up(self) -> None:
         device = device_of(64, 48, 8)
         device.set(decay_rate=ONE_A_TICK // 16, decay_support=200)
-        device.stalls = Stalls(source=np.array([1, 0, 0, 0], np.uint8))
+        device.stall(Stalls(source=np.array([1, 0, 0, 0], np.uint8)))
         # 0.4 ticks an event: a segment of 64 units, or 1,024 ticks, has 7,680 free clocks for a walk of 192 rows.
         traffic = filter_traffic(np.random.default_rng(1), 20_000, 64, 48, ticks_per_event=0.4)
         keep, times = device.stream_timed(traffic, traffic.keep)

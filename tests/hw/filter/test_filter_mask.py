@@ -8,8 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic
 from support.testing import PATTERNS, Sink, Source, always, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
@@ -101,7 +100,7 @@ def test_random_marks_traffic_and_stalls_are_exact(width: int, height: int) -> N
     rng = np.random.default_rng([42, width, height])
     device, sensor, by_marks = mask_filter(width, height), Sensor(width, height), []
     for run in range(6):
-        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        device.stall(Stalls.random(rng) if run % 2 else Stalls())
         for x, y in rng.integers(0, [width + 2, height + 2], (min(8 + width * height, 3000), 2)).tolist():
             hot = int(rng.random() < 0.7)
             mark(device, x, y, hot)

@@ -8,8 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic
 from support.tokens import ticked
 
 Story = list[tuple[int, int, int]]  # tick, x, y
@@ -118,7 +117,7 @@ def test_random_registers_traffic_and_stalls_are_exact(depth: int, stamp_w: int,
     device, memory, kept = recent_filter(depth, stamp_w, tick_w, x_w=7), Memory(depth), []
     longest = min(5 << stamp_w, 400 << tick_w)
     for run in range(14):
-        device.stalls = Stalls.random(rng) if run % 3 == 1 else Stalls()
+        device.stall(Stalls.random(rng) if run % 3 == 1 else Stalls())
         ticks = min(int(2 ** rng.uniform(2, stamp_w - 1)), (1 << (stamp_w - 1)) - 1)
         radius = int(rng.integers(1, 16))
         support = int(rng.integers(1, 2 + depth // 8))

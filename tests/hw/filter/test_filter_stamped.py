@@ -16,8 +16,7 @@ from evcot.filters.refractory import RefractoryFilter
 from evcot.filters.registers import FilterRegisters
 from evcot.filters.rowcol import RowColumnFilter
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
+from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
 from support.tokens import ticked
 
 Keep = NDArray[np.bool_]
@@ -322,7 +321,7 @@ def test_random_traffic_is_exact_under_stalls(which: Stamped, shape: tuple[int, 
         chosen = {name: int(rng.choice(values)) for name, values in which.choices.items()}
         device.set(**{f"{which.name}_ticks": max(ticks, which is REFRACTORY)}, **chosen)
         device.reset()
-        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        device.stall(Stalls.random(rng) if run % 2 else Stalls())
         rate, gap = float(rng.choice([0, 0.1, 1, 5])), (1 << stamp_w + 2)
         traffic = filter_traffic(rng, n, width, height, ticks_per_event=rate, longest_gap=gap, gaps=50 / n, beyond=1)
         stayed.append(compare_with_reference(device, traffic, lambda batch: which.golden(device, batch), parts=1 + run % 3))
@@ -366,7 +365,7 @@ class TestClocks:
 
     def test_where_one_clock_in_four_is_taken_the_walk_holds_no_event_up(self, which: Stamped) -> None:
         device = which.device(64, 48, 12, 8)
-        device.stalls = Stalls(source=np.array([1, 0, 0, 0], np.uint8))
+        device.stall(Stalls(source=np.array([1, 0, 0, 0], np.uint8)))
         # 0.4 ticks an event: a segment of 1,024 ticks has 7,680 free clocks.
         traffic = filter_traffic(np.random.default_rng(1), 20_000, 64, 48, ticks_per_event=0.4)
         keep, times = device.stream_timed(traffic, traffic.keep)

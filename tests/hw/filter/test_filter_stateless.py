@@ -8,8 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic
 
 
 def polarity_filter(polarity: int, *, enable: int = 1) -> FilterDevice:
@@ -20,7 +19,7 @@ def polarity_filter(polarity: int, *, enable: int = 1) -> FilterDevice:
 def test_one_polarity_stays(polarity: int) -> None:
     rng = np.random.default_rng(21)
     device = polarity_filter(polarity)
-    device.stalls = Stalls.random(rng)
+    device.stall(Stalls.random(rng))
     kept = compare_with_reference(device, filter_traffic(rng, 50_000, 32, 16), lambda batch: batch.p == polarity)
     assert 0.4 < kept < 0.5  # half of those that did not come in dropped
 
@@ -75,7 +74,7 @@ def test_random_regions_traffic_and_stalls_are_exact() -> None:
     for parameters, size in ((NARROW, (32, 16)), (wide, (65536, 65536))):
         device = region_filter((0, 0, 0, 0), parameters)
         for _ in range(6):
-            device.stalls = Stalls.random(rng)
+            device.stall(Stalls.random(rng))
             x0, x1 = sorted(rng.integers(size[0], size=2).tolist())
             y0, y1 = sorted(rng.integers(size[1], size=2).tolist())
             device.set(region_x0=x0, region_x1=x1, region_y0=y0, region_y1=y1)

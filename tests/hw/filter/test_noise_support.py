@@ -12,8 +12,7 @@ from evcot.filters.chain import FilterChain
 from evcot.filters.contract import FILTER_REGISTERS, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, compare_with_reference, filter_traffic
 from support.tokens import ticked
 
 ACTIVITY = 1 << Filter.ACTIVITY
@@ -50,7 +49,7 @@ def test_random_traffic_is_exact_under_stalls(width: int, height: int, tick_w: i
         rng = np.random.default_rng([20291, run])
         least = np.sort((2 ** rng.uniform(2, 11, 5)).astype(int)).tolist()
         model = model_of(device, registers_of(noise_log2, least))
-        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        device.stall(Stalls.random(rng) if run % 2 else Stalls())
         pace = 2.0 ** rng.integers(-3, 3) * 2**noise_log2 / (width * height / 50 + 20)
         traffic = filter_traffic(
             rng, 6_000, width, height, ticks_per_event=min(pace, 300), longest_gap=1 << 16, beyond=1, skips=0.02
