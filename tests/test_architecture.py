@@ -24,8 +24,8 @@ ROOMS = {
         "__main__",
     ),
     "evcot_cosim": (
-        "tables", "names", "memory", "standard_streams", "rtl", "devices", "lockstep", "vectors", "waves", "report",
-        "side_names", "notebook", "api", "live", "fpga", "sweep", "pages", "commands", "cli", "__main__",
+        "tables", "memory", "standard_streams", "rtl", "devices", "lockstep", "vectors", "waves", "report",
+        "notebook", "api", "live", "fpga", "sweep", "pages", "commands", "cli", "__main__",
     ),
 }  # fmt: skip
 

@@ -21,7 +21,7 @@ from .report.artifacts import save_run
 __all__ = ["Run", "cosim"]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Run(CosimRun):
     """A run that can be saved and shown; `evcot_cosim.CosimRun`."""
 

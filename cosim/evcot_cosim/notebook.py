@@ -17,7 +17,7 @@ from evcot.tracks.log import TrackLog
 from .lockstep.cosim import CosimRun
 from .lockstep.summary import summarise
 from .report import Material, Side, truth_of, write_report
-from .side_names import side_names
+from .report.material import side_names
 
 __all__ = ["recording_page", "run_page"]
 

@@ -9,7 +9,7 @@ from evcot.pictures.films.look import SUFFIXES, Look
 from evcot.pictures.style import COLUMN_MM, KINDS
 
 from .options import tracked_options
-from .parsing import add_command, output_option
+from .parsing import add_command, json_or_quiet, output_option
 
 __all__ = ["add_plot", "add_render"]
 
@@ -40,8 +40,7 @@ def add_plot(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         metavar="N",
         help="resolution of a PNG, and of images in the others (default: 300)",
     )
-    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
+    json_or_quiet(parser, "print what was written as JSON")
 
 
 _RENDER_EXAMPLES = """
@@ -67,5 +66,4 @@ def add_render(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--decay", type=float, default=look.decay_ms, metavar="MS", help=decay)
     width = f"enlarge the picture of a small sensor to at least this width (default: {look.width_px})"
     parser.add_argument("--width", type=int, default=look.width_px, metavar="PX", help=width)
-    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress, print nothing")
+    json_or_quiet(parser, "print what was written as JSON", "no progress, print nothing")

@@ -8,7 +8,7 @@ import argparse
 from evcot.hardware.modules import MODULES
 
 from ..fpga import RECORDS
-from ..names import MOMENTS
+from ..lockstep import MOMENTS
 from .options import input_options, window_options
 from .parsing import add_command, input_path, output_option
 

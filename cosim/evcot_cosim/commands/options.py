@@ -7,7 +7,7 @@ import argparse
 import math
 import re
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from evcot.errors import ConfigError
 from evcot.hardware.modules import DEFAULT_MODULE, MODULES
@@ -17,6 +17,9 @@ from evcot.unfinished import CHECKPOINT_EVENTS
 
 from .parsing import group_of, input_or_name, input_or_scene, input_path, output_option
 
+if TYPE_CHECKING:
+    from evcot.tracks.formats.base import FrameClock
+
 __all__ = [
     "DEFAULT_SCENE",
     "FORMATS_TEXT",
@@ -24,6 +27,7 @@ __all__ = [
     "RUN_DEFAULT",
     "RUN_LOGS",
     "checkpoint_option",
+    "clock_from",
     "clock_options",
     "damage_options",
     "filter_options",
@@ -114,6 +118,20 @@ def clock_options(parser: argparse.ArgumentParser, origin: str) -> None:
     parser.add_argument(
         "--origin-us", type=int, metavar="US", help=f"time of frame 1 on the recording's clock (default: {origin})"
     )
+
+
+def clock_from(options: argparse.Namespace, origin_us: int = 0) -> FrameClock:
+    """The clock of --frame-us and --origin-us; ConfigError where one is outside its range.
+
+    Args:
+        origin_us: without --origin-us.
+    """
+    from evcot.tracks.formats.base import FrameClock
+
+    try:
+        return FrameClock(options.frame_us, origin_us if options.origin_us is None else options.origin_us)
+    except ConfigError as error:
+        raise ConfigError(f"--{str(error).replace('_us', '-us', 1)}") from error
 
 
 def milliseconds(text: str) -> int:

@@ -41,6 +41,7 @@ __all__ = [
     "input_or_name",
     "input_or_scene",
     "input_path",
+    "json_or_quiet",
     "output_file",
     "output_folder",
     "output_option",
@@ -234,6 +235,12 @@ def output_option(
         parser.set_defaults(**{default: {**(parser.get_default(default) or {}), action.dest: value}})
     if not folder and "--force" not in parser._option_string_actions:
         parser.add_argument("--force", action="store_true", help="replace output files that exist")
+
+
+def json_or_quiet(parser: argparse.ArgumentParser, as_json: str, quiet: str = "print nothing") -> None:
+    """Add --json and --quiet, with the help of each."""
+    parser.add_argument("--json", action="store_true", help=as_json)
+    parser.add_argument("-q", "--quiet", action="store_true", help=quiet)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import argparse
 from evcot.recordings.formats import WRITABLE_NAMES
 
 from .options import filter_options, recording_options
-from .parsing import add_command, input_each, input_or_name, input_path, output_option
+from .parsing import add_command, input_each, input_or_name, input_path, json_or_quiet, output_option
 
 __all__ = ["add_filter", "add_recordings", "add_simulate"]
 
@@ -44,8 +44,7 @@ def add_recordings(commands: argparse._SubParsersAction[argparse.ArgumentParser]
     formats = f"{', '.join(WRITABLE_NAMES)} (default: by B's suffix; must be given with several recordings)"
     convert.add_argument("--format", metavar="NAME", help=formats)
     recording_options(convert)
-    convert.add_argument("--json", action="store_true", help="print what was written as JSON")
-    convert.add_argument("-q", "--quiet", action="store_true", help="print nothing")
+    json_or_quiet(convert, "print what was written as JSON")
 
 
 _FILTER_EXAMPLES = """
@@ -64,8 +63,7 @@ def add_filter(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     recording_options(parser)
     parser.add_argument("--config", type=input_path, metavar="TOML", help="its table [filters] says what to filter")
     filter_options(parser)
-    parser.add_argument("--json", action="store_true", help="print what was done as JSON instead of a table")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
+    json_or_quiet(parser, "print what was done as JSON instead of a table")
 
 
 _SIMULATE_EXAMPLES = """
@@ -97,5 +95,4 @@ def add_simulate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
         "--set", action="append", default=[], metavar="KEY=VALUE", help="change a setting (see --list); may be repeated"
     )
     parser.add_argument("--list", action="store_true", help="list the scenes; with a scene, its settings")
-    parser.add_argument("--json", action="store_true", help="print what was written, or the list, as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
+    json_or_quiet(parser, "print what was written, or the list, as JSON")

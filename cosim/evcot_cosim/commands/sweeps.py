@@ -8,9 +8,9 @@ import argparse
 from evcot.metrics import RULES
 from evcot.trackers.engines import ENGINES
 
-from .parsing import add_command, input_or_name, input_path, output_option
+from .parsing import add_command, input_or_name, input_path, json_or_quiet, output_option
 
-__all__ = ["add_sweep", "add_tune", "scheduler_options", "start_workers"]
+__all__ = ["add_sweep", "add_tune"]
 
 
 _SWEEP_EXAMPLES = """
@@ -36,8 +36,7 @@ def add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     parser.add_argument("--retry", action="store_true", help="repeat runs that failed before")
     parser.add_argument("--only", metavar="KEY", help="repeat only this run of the sweep in folder SPEC, and compare")
     parser.add_argument("--dry-run", action="store_true", help="print the number of runs, and run nothing")
-    parser.add_argument("--json", action="store_true", help="print what was done as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
+    json_or_quiet(parser, "print what was done as JSON", "no progress, no table")
 
 
 def start_workers(options: argparse.Namespace) -> None:
@@ -130,6 +129,5 @@ def add_tune(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         metavar="TOML",
         help="write the chosen settings, for --config",
     )
-    parser.add_argument("--json", action="store_true", help="print what was found as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
+    json_or_quiet(parser, "print what was found as JSON", "no progress, no table")
     scheduler_options(parser)

@@ -1,19 +1,47 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands about tracks: `evcot track`, `evaluate`, `boxes`, `anomalies` and `presets`."""
+"""Commands about tracks: `evcot track`, `live`, `evaluate`, `boxes`, `anomalies` and `presets`."""
 
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from evcot.metrics import RULES
-from evcot.trackers.engines import ENGINES
+from evcot.trackers.engines import DEFAULT, ENGINES
 from evcot.tracks.suffixes import CSV, LOG_SUFFIXES
 
-from .engine_options import engine_options
+from ..live import PORT
 from .options import FORMATS_TEXT, checkpoint_option, clock_options, filter_options, recording_options
-from .parsing import add_command, input_each, input_or_name, input_path, output_option
+from .parsing import add_command, group_of, input_each, input_or_name, input_path, json_or_quiet, output_option
 
-__all__ = ["add_anomalies", "add_boxes", "add_evaluate", "add_presets", "add_track"]
+__all__ = ["add_anomalies", "add_boxes", "add_evaluate", "add_live", "add_presets", "add_track"]
+
+
+def engine_options(parser: argparse.ArgumentParser) -> None:
+    """Add --engine, --preset, --config and --set."""
+    group = group_of(parser, "engine")
+    group.add_argument("--engine", action=_Engine, choices=ENGINES, default=DEFAULT, metavar="NAME")
+    group.add_argument("--preset", metavar="NAME", help="one of `evcot presets --engine ENGINE` (default: its first)")
+    group.add_argument(
+        "--config", type=input_path, metavar="TOML", help="a file whose table named after the engine overrides the preset"
+    )
+    group.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="change one setting of the engine; may be repeated"
+    )
+
+
+class _Engine(argparse.Action):
+    """Stores the name; engines of other packages are looked for only to show the help, or where such a name is given."""
+
+    def __call__(self, _parser: Any, namespace: argparse.Namespace, values: Any, _option: str | None = None) -> None:
+        setattr(namespace, self.dest, values)
+
+    @property
+    def help(self) -> str:
+        return "; ".join(f"{name}: {engine.title}" for name, engine in ENGINES.items()) + f" (default: {DEFAULT})"
+
+    @help.setter
+    def help(self, _: str | None) -> None: ...
 
 
 _TRACK_EXAMPLES = """
@@ -45,8 +73,44 @@ def add_track(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     recording_options(parser)
     filter_options(parser)
     checkpoint_option(parser)
-    parser.add_argument("--json", action="store_true", help="print what was found as JSON instead of a table")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
+    json_or_quiet(parser, "print what was found as JSON instead of a table", "no progress, no table")
+
+
+_LIVE_EXAMPLES = """
+evcot live drive.aedat4                        # a file in real time, in the terminal
+evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed; engine and place are chosen there
+evcot live drive.aedat4 --web --with-hardware  # hardware in simulation beside the software tracker
+evcot live tcp://127.0.0.1:7777 --engine rct --preset traffic --save seen.aedat4
+evcot live camera --web                        # needs pip install evcot[camera]
+evcot live drive.aedat4 --json
+"""
+
+
+def add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    title = "track and show events while they happen: a file at real speed, a network stream, a camera"
+    parser = add_command(commands, "live", title, _LIVE_EXAMPLES)
+    source = "a recording; tcp://HOST:PORT, where DV or dv-processing sends AEDAT4; camera, or camera:SERIAL"
+    parser.add_argument("source", type=input_or_name, metavar="SOURCE", help=source)
+    parser.add_argument(
+        "--speed", type=float, default=1.0, metavar="X", help="playback speed of a recording (default: 1, real speed)"
+    )
+    parser.add_argument("--web", nargs="?", type=int, const=PORT, metavar="PORT", help=f"show a page (default port: {PORT})")
+    parser.add_argument(
+        "--bind", metavar="ADDRESS", help="address that serves the page (default: 127.0.0.1, this machine only)"
+    )
+    beside = "run the hardware beside the engine: RTL in simulation while it keeps up, else its golden model"
+    parser.add_argument("--with-hardware", action="store_true", help=beside)
+    parser.add_argument("--loop", action="store_true", help="play a recording again and again")
+    output_option(
+        parser, "--save", metavar="FILE", help="record everything received: .aedat4 or .raw; readable even after a kill"
+    )
+    output_option(parser, "--save-log", suffixes=(".npz",), metavar="LOG.npz", help="write the track log when the run ends")
+    parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="stop after so many seconds")
+    engine_options(parser)
+    recording_options(parser)
+    filter_options(parser)
+    json_or_quiet(parser, "print a line of figures a second, and one at the end", "no dashboard, no table")
 
 
 _EVALUATE_EXAMPLES = """
@@ -104,8 +168,7 @@ def add_boxes(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     parser.add_argument("--format", metavar="NAME", help=f"format of B: {FORMATS_TEXT}")
     clock_options(parser, "0")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels, which COCO and MCAP state")
-    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
+    json_or_quiet(parser, "print what was written as JSON")
 
 
 _ANOMALIES_EXAMPLES = """

@@ -28,7 +28,7 @@ from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
 from ..rtl.build import PORTS_ONLY_FLAGS, BuiltModel, build
-from .base import HardwareError, Stalls, check_waits, pointer
+from .base import HardwareError, Stalls, check_waits, pointer, reset
 from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
 
 __all__ = ["Device", "DeviceState", "StreamTimes", "build_device", "step_clocks"]
@@ -155,11 +155,7 @@ class Device:
 
     def reset(self) -> None:
         """Reset the hardware and write all registers: tick 0, event 0, no track born."""
-        io = self.sim.io
-        io.rst = 1
-        self.sim.clock.tick()
-        self.sim.clock.tick()
-        io.rst = 0
+        reset(self.sim)
         self.now = 0
         self.seq = 0
         self.cycle = 0
@@ -212,25 +208,20 @@ class Device:
         addresses = motion_addresses().items()
         self._write([(address, int(getattr(registers, name))) for name, address in addresses if name != "mode"])
 
-    def _write(self, writes: list[tuple[int, int]]) -> None:
+    def _write(self, writes: list[tuple[int, int]], port: str = "cfg") -> None:
         io = self.sim.io
-        io.cfg_valid = 1
+        io[f"{port}_valid"] = 1
         for address, value in writes:
-            io.cfg_addr, io.cfg_data = address, value
+            io[f"{port}_addr"], io[f"{port}_data"] = address, value
             self.sim.clock.tick()
-        io.cfg_valid = 0
+        io[f"{port}_valid"] = 0
 
     def write_filters(self, registers: FilterRegisters) -> None:
         """Write the registers of the filters in front, `enable` last."""
         writes = [(FILTER_REGISTERS["mask"].address, mask_word(x, y)) for x, y in registers.hot_pixels]
         for name in sorted(FILTER_REGISTERS.keys() - {"mask"}, key="enable".__eq__):
             writes.append((FILTER_REGISTERS[name].address, int(getattr(registers, name))))
-        io = self.sim.io
-        io.filter_cfg_valid = 1
-        for address, value in writes:
-            io.filter_cfg_addr, io.filter_cfg_data = address, value
-            self.sim.clock.tick()
-        io.filter_cfg_valid = 0
+        self._write(writes, "filter_cfg")
 
     def _settle(self) -> None:
         if not self.sim.lib.evcot_settle(self.sim.model, _SETTLE_CLOCKS):

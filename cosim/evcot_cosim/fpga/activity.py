@@ -17,7 +17,7 @@ from ..waves.vcd import Declared
 from .slang import checked, language, pyslang, source_manager
 from .sources import closure, flat
 
-__all__ = ["Design", "ModuleToggles", "by_module", "design_of", "nets_of", "uncounted"]
+__all__ = ["ModuleToggles", "by_module", "design_of", "nets_of", "uncounted"]
 
 _TOP = "TOP."  # Verilator's scope around the top module
 _INDEX = re.compile(r"\[\d+\]$")

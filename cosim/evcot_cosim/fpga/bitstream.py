@@ -18,7 +18,7 @@ from . import tools
 from .board import board_dir
 from .board_sim import BOARDS, Board, sources
 
-__all__ = ["Bitstream", "make_bitstream"]
+__all__ = ["make_bitstream"]
 
 _SIZES = ("12k", "25k", "45k", "85k")  # of a ULX3S
 

@@ -18,7 +18,6 @@ __all__ = [
     "USUAL_SEEDS",
     "Figure",
     "Figures",
-    "Growth",
     "case_name",
     "growths",
     "load",

@@ -21,19 +21,7 @@ from ..rtl.files import modules, rtl_files, verilog_dir
 from .header import DeclaredPort, Header, evaluate, read
 from .sources import flat
 
-__all__ = [
-    "CHOICES",
-    "LIMITS",
-    "TOPS",
-    "Bus",
-    "buses",
-    "component",
-    "constraints_file",
-    "dialogue",
-    "dialogue_file",
-    "release_text",
-    "write_release",
-]
+__all__ = ["CHOICES", "LIMITS", "TOPS", "Bus", "buses", "component", "dialogue", "release_text", "write_release"]
 
 
 # IP-XACT 1685-2009 description of a module for Vivado's IP catalogue, with Xilinx bus types, for the single-file release.

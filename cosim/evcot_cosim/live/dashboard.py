@@ -29,7 +29,7 @@ from .player import Player, Run
 from .session import Session
 from .visible_clusters import Clusters
 
-__all__ = ["Glance", "rows_of", "show"]
+__all__ = ["rows_of", "show"]
 
 
 _EMPTY, _OFF, _ON, _BOX = range(4)

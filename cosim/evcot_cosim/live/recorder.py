@@ -20,7 +20,7 @@ from evcot.recordings.formats.evt_writers import Evt3Sink
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.log import TRACK, TrackLog
 
-__all__ = ["FLUSH_S", "LogKeeper", "Recorder"]
+__all__ = ["LogKeeper", "Recorder"]
 
 FLUSH_S = 0.25  # the longest that an event waits in memory
 _BUFFER_BYTES = 1 << 22

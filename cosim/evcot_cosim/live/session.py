@@ -22,7 +22,7 @@ from .sources import LiveSource
 from .tracker_thread import Beside, Lane, quantiles
 from .visible_clusters import Clusters
 
-__all__ = ["WAIT_S", "Session", "Step"]
+__all__ = ["Session", "Step"]
 
 WAIT_S = 0.25  # events that have waited longer for the tracker are given up
 _INBOX_S = 1.0  # of what waits to be drawn, this much

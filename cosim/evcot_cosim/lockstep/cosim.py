@@ -36,6 +36,7 @@ from .run_file import Source
 __all__ = [
     "NEAR_PX",
     "CosimRun",
+    "Measured",
     "check_addresses",
     "check_addresses_of",
     "compile_kernels",
@@ -49,35 +50,45 @@ __all__ = [
 NEAR_PX = 12.0  # of cot_motion and the adaptive tracker, whose windows have no size of their own
 
 
-@dataclass(frozen=True)
-class CosimRun:
-    """Results of one run.
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """What is known of every run, whether its recording and logs are held in memory or not.
 
     Attributes:
-        recording, config: input and configuration of the run.
-        hardware, model, software: one TrackLog per engine.
-        agreement: hardware against software, by outcome.
+        config: configuration of the run.
         cycles: clocks of the hardware, without reset and register writes.
         latency: histogram of records by clocks since their event, see `Lockstep`.
         wall_s: duration of the lock-step alone.
         software_s: duration of the software tracker.
         build: the simulated model.
         seed: seed of the stall patterns, or None.
-        source: where the recording was read from; None for one that was made in memory.
     """
 
-    recording: Recording
     config: RunConfig
-    hardware: TrackLog
-    model: TrackLog
-    software: TrackLog
-    agreement: Agreement
     cycles: int
     latency: NDArray[np.int64]
     wall_s: float
     software_s: float
     build: BuiltModel
     seed: int | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CosimRun(Measured):
+    """Results of one run.
+
+    Attributes:
+        recording: its input.
+        hardware, model, software: one TrackLog per engine.
+        agreement: hardware against software, by outcome.
+        source: where the recording was read from; None for one that was made in memory.
+    """
+
+    recording: Recording
+    hardware: TrackLog
+    model: TrackLog
+    software: TrackLog
+    agreement: Agreement
     source: Source | None = None
 
     def __repr__(self) -> str:

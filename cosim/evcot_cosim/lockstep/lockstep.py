@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +26,7 @@ from ..devices.device import Device, DeviceState, StreamTimes
 from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 
-__all__ = ["CHUNK", "Clocks", "Lockstep", "Step", "chunks", "dump_window"]
+__all__ = ["CHUNK", "Clocks", "Lockstep", "Step", "chunks", "cut", "dump_window"]
 
 _STATE = ("events", "records", "wall_s", "latency", "_clock", "_last_us", "_golden")
 LATENCY_MAX = 4_095  # clocks; longer latencies share the last bin
@@ -49,6 +49,22 @@ def chunks(events: Events, size: int = CHUNK) -> Iterator[Events]:
     """Split events into chunks of `size`; views, no copies."""
     for begin in range(0, len(events), size):
         yield events[begin : begin + size]
+
+
+def cut(blocks: Iterable[Events], size: int) -> Iterator[Events]:
+    """Chunks of exactly `size` events, and a last one: the clocks of a run depend on how it is cut."""
+    waiting: list[Events] = []
+    have = 0
+    for block in blocks:
+        waiting.append(block.kept())
+        have += len(block)
+        if have >= size:
+            joined = Events.joined(waiting)
+            whole = have - have % size
+            yield from (joined[begin : begin + size].packed() for begin in range(0, whole, size))
+            waiting, have = [joined[whole:]], have - whole
+    if have:
+        yield Events.joined(waiting).packed()
 
 
 class Lockstep:

@@ -9,7 +9,7 @@ with the hardware's.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -32,17 +32,16 @@ from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished
 
 from ..devices.device import build_device
 from ..memory import keep_little
-from ..rtl.build import BuiltModel
-from .cosim import check_addresses_of, compile_kernels, software_of, stalls_from
-from .lockstep import CHUNK, Lockstep
+from .cosim import Measured, check_addresses_of, compile_kernels, software_of, stalls_from
+from .lockstep import CHUNK, Lockstep, cut
 from .run_file import Source
 
 __all__ = ["LongRun", "run_long"]
 
 
-@dataclass(frozen=True)
-class LongRun:
-    """Results of one run; see `cosim.CosimRun` for what is not explained here.
+@dataclass(frozen=True, kw_only=True)
+class LongRun(Measured):
+    """Results of one run.
 
     Attributes:
         hardware, software: the logs, in files.
@@ -53,7 +52,6 @@ class LongRun:
 
     name: str
     sensor: Sensor
-    config: RunConfig
     hardware: LogSpool
     software: LogSpool
     hardware_tally: Tally
@@ -61,12 +59,6 @@ class LongRun:
     begin_us: int
     end_us: int
     digest: str
-    cycles: int
-    latency: NDArray[np.int64]
-    wall_s: float
-    software_s: float
-    build: BuiltModel
-    seed: int | None
 
     @property
     def events(self) -> int:
@@ -143,7 +135,7 @@ def run_long(
                 lockstep.restore(state["lockstep"])
                 if resumed is not None:
                     resumed(at)
-            for chunk in _whole_chunks(rest_of(source.blocks(file), made_of, at, state.get("digest", ""))):
+            for chunk in cut(rest_of(source.blocks(file), made_of, at, state.get("digest", "")), CHUNK):
                 if begin_us is None:
                     begin_us = int(chunk.t_us[0])
                     compiled_aside(compile_kernels, chunk[:1], sensor, config)
@@ -214,16 +206,3 @@ class _Beside:
 def _keep(log: LogSpool, tally: Tally, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:
     log.add(records, owner)
     tally.add(records, owner)
-
-
-def _whole_chunks(blocks: Iterator[Events]) -> Iterator[Events]:
-    """Chunks of exactly `CHUNK` events and a last one: the clocks of a run depend on how it is cut."""
-    waiting = Events.empty()
-    for block in blocks:
-        waiting = Events.joined([waiting, block]) if len(waiting) else block
-        done = len(waiting) - len(waiting) % CHUNK
-        for begin in range(0, done, CHUNK):
-            yield waiting[begin : begin + CHUNK].packed()
-        waiting = waiting[done:]
-    if len(waiting):
-        yield waiting.packed()

@@ -15,7 +15,7 @@ from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.golden import track
 from evcot.tracks.log import Kind
 
-from ..names import MOMENTS
+from . import MOMENTS
 from .summary import SUMMARY, read_summary
 
 __all__ = ["Moment", "find_moment"]

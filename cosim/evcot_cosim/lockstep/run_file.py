@@ -33,14 +33,12 @@ from evcot.trackers.config import RunConfig, load_toml
 from ..standard_streams import as_file
 
 __all__ = [
-    "HEAD_EVENTS",
     "RUN_FILE",
     "SUMMARY",
     "RunFile",
     "Source",
     "config_tables",
     "made_again",
-    "made_by",
     "read_run_file",
     "run_toml",
     "write_run_file",

@@ -20,14 +20,16 @@ from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.metrics.quality import Quality
 from evcot.outputs import written_aside
+from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig
 from evcot.tracks.compare import Agreement, Comparison
-from evcot.tracks.log import DROPPED, Kind, TrackLog
+from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.log_parts import life_lengths
+from evcot.tracks.tally import Tally
 from evcot.tracks.timeline import lifetimes
 
 from ..rtl.toolchain import find_toolchain
-from .cosim import CosimRun
+from .cosim import CosimRun, Measured
 from .long import LongRun
 from .mismatch import Mismatch
 from .run_file import SUMMARY, made_again
@@ -55,42 +57,21 @@ def summarise(run: CosimRun, command: str, truth: Truth | None = None) -> dict[s
     Args:
         truth: the ground truth within the time of the events.
     """
-    recording, events = run.recording, len(run.recording.events)
-    recording_s = recording.duration_us / 1e6
+    recording = run.recording
     logs = {"hardware": run.hardware, "model": run.model, "software": run.software}
+    tallies = {}
+    for name, log in logs.items():
+        tallies[name] = Tally()
+        tallies[name].add(log.records, log.owner)
     end_us = int(recording.events.t_us[-1])
-    summary = {
-        "name": recording.name,
-        "exact": _identical(run.hardware, run.model),
-        "events": events,
-        "records": len(run.hardware.records),
-        "recording_s": recording_s,
-        "wall_s": run.wall_s,
-        "realtime_factor": recording_s / run.wall_s,
-        "events_per_s": events / run.wall_s,
-        "software_events_per_s": events / run.software_s,
-        "cycles": run.cycles,
-        "cycles_per_event": run.cycles / events,
-        "latency_clocks": _latency(run.latency),
-        "filters": [which.name.lower() for which in run.config.filters.filters],
-        "filtered_fraction": float((run.hardware.owner == DROPPED).mean()),
-        "owned_fraction": {name: float((log.owner >= 0).mean()) for name, log in logs.items()},
-        "slots": run.config.hardware.shape.n_slots,
-        "births": {name: len(log.of_kind(Kind.BORN)) for name, log in logs.items()},
-        "merges": {name: len(log.of_kind(Kind.MERGED)) for name, log in logs.items()},
-        "lifetimes": {name: life_lengths(lifetimes(log, end_us)) for name, log in logs.items()},
-        "agreement": run.agreement.to_dict(),
-        "sensor": {"width": recording.width, "height": recording.height},
-        "hardware": run.config.hardware.module,
-        "seed": run.seed,
-        "config": run.config.to_dict(),
-        "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
-        **_provenance(command),
-    }
+    summary = _figures(
+        run, recording.name, (recording.width, recording.height), recording.duration_us, tallies,
+        {name: life_lengths(lifetimes(log, end_us)) for name, log in logs.items()}, run.agreement,
+    )  # fmt: skip
+    summary["exact"] = _identical(run.hardware, run.model)
     judged = {"hardware": run.hardware, "software": run.software}
-    summary |= {"truth": truth.figures(judged)} if truth else {}
-    verdict = verdict_of(recording, judged, summary)
-    return summary | {"verdict": verdict.to_dict()}
+    summary |= _provenance(command) | ({"truth": truth.figures(judged)} if truth else {})
+    return summary | {"verdict": verdict_of(recording, judged, summary).to_dict()}
 
 
 def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Quality], command: str) -> dict[str, Any]:
@@ -100,36 +81,51 @@ def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Q
         comparison, figures: hardware against software, and the quality of both, of all parts.
     """
     tallies = {"hardware": run.hardware_tally, "software": run.software_tally}
-    recording_s = (run.end_us - run.begin_us) / 1e6
-    summary = {
-        "name": run.name,
-        "exact": True,  # every chunk was compared
-        "events": run.events,
-        "records": len(run.hardware.records),
+    lengths = {name: life_lengths(own) for name, own in zip(tallies, comparison.lives, strict=True)}
+    duration_us, agreement = run.end_us - run.begin_us, comparison.agreement()
+    summary = _figures(run, run.name, run.sensor, duration_us, tallies, lengths, agreement) | _provenance(command)
+    return summary | {"verdict": verdict_by(figures, summary).to_dict()}
+
+
+def _figures(
+    run: Measured,
+    name: str,
+    sensor: Sensor,
+    duration_us: int,
+    tallies: Mapping[str, Tally],
+    lengths: Mapping[str, Any],
+    agreement: Agreement,
+) -> dict[str, Any]:
+    """What a run was, and what was counted; exact, as one of which every chunk was compared."""
+    hardware, recording_s = tallies["hardware"], duration_us / 1e6
+    events = hardware.events
+    return {
+        "name": name,
+        "exact": True,
+        "events": events,
+        "records": sum(hardware.kinds.values()),
         "recording_s": recording_s,
         "wall_s": run.wall_s,
         "realtime_factor": recording_s / run.wall_s,
-        "events_per_s": run.events / run.wall_s,
-        "software_events_per_s": run.events / run.software_s,
+        "events_per_s": events / run.wall_s,
+        "software_events_per_s": events / run.software_s,
         "cycles": run.cycles,
-        "cycles_per_event": run.cycles / run.events,
+        "cycles_per_event": run.cycles / events,
         "latency_clocks": _latency(run.latency),
         "filters": [which.name.lower() for which in run.config.filters.filters],
-        "filtered_fraction": run.hardware_tally.filtered / run.events,
-        "owned_fraction": {name: tally.owned / run.events for name, tally in tallies.items()},
+        "filtered_fraction": hardware.filtered / events,
+        "owned_fraction": {side: tally.owned / events for side, tally in tallies.items()},
         "slots": run.config.hardware.shape.n_slots,
-        "births": {name: tally.kinds[Kind.BORN] for name, tally in tallies.items()},
-        "merges": {name: tally.kinds[Kind.MERGED] for name, tally in tallies.items()},
-        "lifetimes": {name: life_lengths(own) for name, own in zip(tallies, comparison.lives, strict=True)},
-        "agreement": comparison.agreement().to_dict(),
-        "sensor": {"width": run.sensor[0], "height": run.sensor[1]},
+        "births": {side: tally.kinds[Kind.BORN] for side, tally in tallies.items()},
+        "merges": {side: tally.kinds[Kind.MERGED] for side, tally in tallies.items()},
+        "lifetimes": dict(lengths),
+        "agreement": agreement.to_dict(),
+        "sensor": {"width": sensor[0], "height": sensor[1]},
         "hardware": run.config.hardware.module,
         "seed": run.seed,
         "config": run.config.to_dict(),
         "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
-        **_provenance(command),
     }
-    return summary | {"verdict": verdict_by(figures, summary).to_dict()}
 
 
 def summarise_mismatch(found: Mismatch, recording: Recording, config: RunConfig, command: str) -> dict[str, Any]:

@@ -27,7 +27,7 @@ from PIL import Image
 from ..rtl.build import cache_dir
 from ..rtl.files import verilog_dir
 
-__all__ = ["Cell", "Guide", "alike", "cells", "guide", "notebook", "pictures", "scripts"]
+__all__ = ["alike", "cells", "guide", "notebook", "pictures", "scripts"]
 
 _MARK = re.compile(r"^# %%(?P<markdown> \[markdown\])?$")
 _PICTURES = "guide_*.png"

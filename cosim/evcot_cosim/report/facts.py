@@ -11,7 +11,7 @@ import numpy as np
 from ..lockstep.verdict import Grade, Line, Verdict
 
 __all__ = [
-    "METRICS", "Bar", "Check", "Metric", "agreement_rows", "checks_of", "figure", "flat", "headline", "latency_bars", "percent",
+    "METRICS", "Check", "Metric", "agreement_rows", "checks_of", "figure", "flat", "headline", "latency_bars", "percent",
     "run_rows", "score_rows",
 ]  # fmt: skip
 

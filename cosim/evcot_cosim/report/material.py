@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
+from evcot.hardware.modules import MODULES
 from evcot.tracks.log import TrackLog
 
 from ..lockstep.truth import Truth
 
-__all__ = ["PAIR", "Comparison", "Difference", "Material", "Side"]
+__all__ = ["PAIR", "Comparison", "Difference", "Material", "Side", "side_name", "side_names"]
 
 PAIR = ("a", "b")  # names of the two runs' hardware in a comparison
 
@@ -103,7 +104,7 @@ class Material:
     @property
     def pair(self) -> tuple[str, str]:
         """The sides that the summary's agreement is about; in it they are called hardware and software."""
-        return ("hardware", "software") if self.comparison is None else ("a", "b")
+        return ("hardware", "software") if self.comparison is None else PAIR
 
     @property
     def events(self) -> Events:
@@ -115,3 +116,24 @@ class Material:
         """Time of the first and of the last event; (0, 0) without any."""
         t_us = self.events.t_us
         return (int(t_us[0]), int(t_us[-1])) if len(t_us) else (0, 0)
+
+
+def side_names(taken: Sequence[str], logs: Sequence[tuple[str, str]]) -> list[str]:
+    """Names of sides for logs, given as engine and name of the file: after their engine, else their file."""
+    names: list[str] = []
+    for engine, stem in logs:
+        slug = _slug(side_name(engine, stem, engine))
+        offered = [slug, _slug(stem), *(f"{slug}_{i}" for i in range(2, len(taken) + len(names) + 3))]
+        names.append(next(name for name in offered if name not in taken and name not in names))
+    return names
+
+
+def side_name(engine: str, stem: str, otherwise: str) -> str:
+    """The side that a log is of: `evcot cosim` writes those of the hardware and of its golden model under these names."""
+    return stem if engine in MODULES and stem in ("hardware", "model") else otherwise
+
+
+def _slug(text: str) -> str:
+    """A side's name: `truth` is another's."""
+    name = re.sub(r"[^a-z0-9_]", "_", text.lower())
+    return name if name[:1].isalpha() and name != "truth" else f"log_{name}"

@@ -28,6 +28,7 @@ from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.log_parts import LogParts
 from evcot.tracks.timeline import alive
 
+from ..lockstep.lockstep import cut
 from ..lockstep.verdict import verdict_by, verdict_from
 from ..memory import give_back, keep_little
 from .collect import collect, looks_of
@@ -35,7 +36,7 @@ from .facts import agreement_rows, flat, latency_bars, run_rows
 from .material import Material, Side
 from .page import inline_styles, write_report
 
-__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "part_names", "write_overview", "write_parts"]
+__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "part_names", "write_overview", "write_parts"]
 
 
 PART_EVENTS = 1 << 18
@@ -110,7 +111,7 @@ def write_parts(
     """
     keep_little(_LARGE_BYTES)
     compiled_aside(_compile_kernels, recording.sensor)
-    cut = {name: LogParts(log.engine, log.runs) for name, log in logs.items()}
+    in_parts = {name: LogParts(log.engine, log.runs) for name, log in logs.items()}
     quality = {name: QualityCounter(recording.begin_us, recording.end_us) for name in logs}
     times = comparison or Comparison(recording.begin_us, recording.end_us)
     alone_in = isolation(recording.sensor)
@@ -118,13 +119,13 @@ def write_parts(
     done, since_us = 0, recording.begin_us
     with ThreadPoolExecutor(1) as other:  # writes a page while the next part is looked at
         grades: list[Future[str]] = []
-        for events in _cut(recording.blocks, PART_EVENTS):
+        for events in cut(recording.blocks, PART_EVENTS):
             done += len(events)
             last = done == recording.events
             until_us = int(events.t_us[-1])
             alone, times_us = alone_in(events), times.times_us(since_us, None if last else until_us)
             whole, shown = {}, {}
-            for name, log in cut.items():
+            for name, log in in_parts.items():
                 whole[name], shown[name] = log.take(len(events), last=last)
                 quality[name].add(whole[name], events, alone, last=last)
             part: dict[str, Any] = {
@@ -185,21 +186,6 @@ def _alive(
 
 def _mean(counts: NDArray[np.int64]) -> float | None:
     return float(counts.mean()) if len(counts) else None
-
-
-def _cut(blocks: Iterator[Events], size: int) -> Iterator[Events]:
-    """Runs of exactly `size` events, and a last one."""
-    waiting: list[Events] = []
-    have = 0
-    for block in blocks:
-        waiting.append(block.kept())
-        have += len(block)
-        while have >= size:
-            joined = Events.joined(waiting)
-            yield joined[:size].packed()
-            waiting, have = [joined[size:]], have - size
-    if have:
-        yield Events.joined(waiting).packed()
 
 
 _MODULE = "overview.js"

@@ -14,7 +14,7 @@ from evcot.tracks.timeline import LIFE, OPEN, by_life, lifetimes
 
 from .pack import LIVES_MAX, RECORDS_MAX, Column, longest_lives, thinned_events, thinned_records
 
-__all__ = ["POINT", "Paths", "lasting", "log_paths", "truth_paths"]
+__all__ = ["Paths", "lasting", "log_paths", "truth_paths"]
 
 SUBPIXELS = 16  # places and sizes are kept to a sixteenth of a pixel
 _ANGLE_STEPS = 1_000  # to a rad

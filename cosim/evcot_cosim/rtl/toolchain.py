@@ -17,7 +17,7 @@ from pathlib import Path
 
 from evcot.errors import ToolchainError
 
-__all__ = ["MINIMUM_VERILATOR", "Toolchain", "find_toolchain", "make_variables"]
+__all__ = ["Toolchain", "find_toolchain", "make_variables"]
 
 # For this machine if the compiler can: a model runs where it was built. With -O3, cot_motion takes nearly twice as long to
 # compile, and the rates of all trackers differ by at most 4 %, in either direction.

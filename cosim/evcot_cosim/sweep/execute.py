@@ -41,7 +41,7 @@ from .inputs import Stream, opened, truth_of
 from .machine import code_of
 from .task import FUZZ, Task, canonical, configuration
 
-__all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "hardware_cost", "row_of", "tracked"]
+__all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
 
 
 _FAMILY = DEVICES["ecp5-25"].synthesis

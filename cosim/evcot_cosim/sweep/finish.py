@@ -18,7 +18,7 @@ from .run import Swept
 from .spec import Spec
 from .store import COLUMNS, read_rows
 
-__all__ = ["finish", "junit_xml", "leaders"]
+__all__ = ["finish", "leaders"]
 
 
 def junit_xml(name: str, rows: Sequence[Mapping[str, Any]]) -> str:

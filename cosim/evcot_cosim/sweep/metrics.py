@@ -7,7 +7,7 @@ from dataclasses import fields
 
 from evcot.metrics import Scores
 
-__all__ = ["COSTS", "COUNTS", "LOCKSTEP", "METRICS", "SCORES", "TIMES"]
+__all__ = ["METRICS", "TIMES"]
 
 SCORES: dict[str, str] = {field.name: "int64" if field.type == "int" else "double" for field in fields(Scores)}
 """Against a truth: docs/evaluation.md."""

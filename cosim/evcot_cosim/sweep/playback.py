@@ -25,7 +25,7 @@ from .metrics import METRICS
 from .store import read_rows
 from .task import Task, configuration
 
-__all__ = ["Difference", "Repeated", "repeat", "write_playback"]
+__all__ = ["Difference", "repeat", "write_playback"]
 
 
 _LEAST = 6  # digits of a key: enough to distinguish runs

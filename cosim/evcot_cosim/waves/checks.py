@@ -37,8 +37,6 @@ __all__ = [
     "sometime",
     "stable_until",
     "transitions",
-    "untested",
-    "value_text",
 ]
 
 

@@ -13,7 +13,7 @@ from evcot.errors import ConfigError
 
 from . import Samples, Wave, WaveformError, handshake_stable
 
-__all__ = ["PREFIX", "Property", "Verdict", "judge", "load_properties"]
+__all__ = ["Verdict", "judge", "load_properties"]
 
 PREFIX = "property_"  # a function whose name begins so is a property
 Property = Callable[[Samples], Any]

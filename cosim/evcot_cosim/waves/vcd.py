@@ -23,7 +23,7 @@ from evcot.errors import OutputError, reason_of
 from .errors import VcdError
 from .vcd_lines import DOLLAR, vcd_lines
 
-__all__ = ["INT64_BITS", "Declared", "Signal", "Timescale", "declared", "initial_values", "left_out", "parse", "read"]
+__all__ = ["INT64_BITS", "Declared", "Signal", "declared", "initial_values", "left_out", "parse", "read"]
 
 _FIRST_TIME = re.compile(rb"^#([0-9]+)", re.MULTILINE)
 _RANGE = re.compile(r"\[\d+:\d+\]$")

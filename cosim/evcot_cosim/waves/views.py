@@ -102,17 +102,27 @@ _INPUT = Group(
         *_rows("s_event s_skip s_x s_y s_p", Colour.EVENT),
     ),
 )
-_RECORDS = Group(
-    "records out",
-    (
-        *_rows("m_cm_valid m_cm_ready", Colour.CONTROL),
-        Row("m_cm_kind", codes=_KIND, colour=Colour.CONTROL),
-        *_rows("m_cm_slot m_cm_id m_cm_other"),
-        *_rows("m_cm_x m_cm_y", Colour.PLACE, Form.PIXELS),
-        *_rows("m_cm_radius", Colour.PLACE),
-        *_rows("m_cm_n_ev m_cm_support"),
-        *_rows("m_cm_seq m_cm_time", Colour.TIME),
-    ),
+
+
+def _records(*places: Row) -> Group:
+    return Group(
+        "records out",
+        (
+            *_rows("m_cm_valid m_cm_ready", Colour.CONTROL),
+            Row("m_cm_kind", codes=_KIND, colour=Colour.CONTROL),
+            *_rows("m_cm_slot m_cm_id m_cm_other"),
+            *places,
+            *_rows("m_cm_n_ev m_cm_support"),
+            *_rows("m_cm_seq m_cm_time", Colour.TIME),
+        ),
+    )
+
+
+_RECORDS = _records(*_rows("m_cm_x m_cm_y", Colour.PLACE, Form.PIXELS), *_rows("m_cm_radius", Colour.PLACE))
+_BOXES = _records(
+    *_rows("m_cm_x m_cm_y", Colour.PLACE, Form.SIGNED_PIXELS),
+    *_rows("m_cm_width m_cm_height", Colour.PLACE, Form.PIXELS),
+    *_rows("m_cm_v_x m_cm_v_y", Colour.PLACE, Form.SIGNED_PIXELS),
 )
 _OWNED = Group(
     "owned events out",
@@ -130,19 +140,6 @@ _PASSED = Group(
         *_rows("m_pass_tick", Colour.TIME),
         *_rows("m_pass_event m_pass_x m_pass_y m_pass_p", Colour.EVENT),
         *_rows("m_pass_seq", Colour.TIME),
-    ),
-)
-_BOXES = Group(
-    "records out",
-    (
-        *_rows("m_cm_valid m_cm_ready", Colour.CONTROL),
-        Row("m_cm_kind", codes=_KIND, colour=Colour.CONTROL),
-        *_rows("m_cm_slot m_cm_id m_cm_other"),
-        *_rows("m_cm_x m_cm_y", Colour.PLACE, Form.SIGNED_PIXELS),
-        *_rows("m_cm_width m_cm_height", Colour.PLACE, Form.PIXELS),
-        *_rows("m_cm_v_x m_cm_v_y", Colour.PLACE, Form.SIGNED_PIXELS),
-        *_rows("m_cm_n_ev m_cm_support"),
-        *_rows("m_cm_seq m_cm_time", Colour.TIME),
     ),
 )
 _REGISTERS = " ".join(name for name in REGISTERS if name != "mode")

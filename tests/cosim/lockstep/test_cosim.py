@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +12,6 @@ import pytest
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
-from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.hardware.golden import track as cot_track
 from evcot.hardware.modules import Module
@@ -21,9 +19,11 @@ from evcot.recordings.files import read_recording, write_recording
 from evcot.trackers.presets import fit, for_sensor, preset, run_config
 from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks.log import DROPPED, Kind, TrackLog
-from evcot_cosim.cli import main
 from evcot_cosim.lockstep.cosim import CosimRun, check_addresses, run_cosim, stalls_from
+from evcot_cosim.lockstep.summary import summarise, table
 from shared import SHARED
+
+from ..conftest import Refused
 
 RECORDINGS = {
     "traffic_outbound.aedat4": 788_761,
@@ -153,10 +153,9 @@ def test_all_engines_work_behind_the_same_filters(module: Module) -> None:
     assert near(bare.software, HOT) > 10
 
 
-@pytest.mark.parametrize("side", [1, 2, 4])
-def test_hardware_and_model_have_the_same_memory_of_cells(side: int) -> None:
+def test_hardware_and_model_have_the_same_memory_of_cells() -> None:
     recording = noisy_blob()
-    filters = FilterConfig(refractory_us=5_000, activity_us=20_000, decay_tau_us=20_000.0, rowcol_us=90_000, cell_px=side)
+    filters = FilterConfig(refractory_us=5_000, activity_us=20_000, decay_tau_us=20_000.0, rowcol_us=90_000, cell_px=2)
     config = replace(fit(for_sensor(128), 128, 128, 4), filters=filters)
     run = run_cosim(recording, config)
     _, keep = apply(recording, filters)
@@ -166,45 +165,20 @@ def test_hardware_and_model_have_the_same_memory_of_cells(side: int) -> None:
     assert np.array_equal(run.hardware.records, run.model.records)
 
 
-def test_a_config_file_puts_filters_in_front(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_recording(noisy_blob(), tmp_path / "noisy.npz")
-    (tmp_path / "hot.txt").write_text(f"# hot pixels of a 128x128 sensor\n{HOT[0]} {HOT[1]}\n")
-    toml = tmp_path / "run.toml"
-    toml.write_text('[filters]\nhot_pixels_file = "hot.txt"\nactivity_us = 20000\n')
-    command = ["cosim", str(tmp_path / "noisy.npz"), "--preset", "dvs128", "--config", str(toml), "-o", str(tmp_path / "out")]
-    assert main(command) == 0
-    assert "of the events, by mask, activity" in capsys.readouterr().out
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["exact"]
-    assert summary["filters"] == ["mask", "activity"]
+def test_a_summary_says_what_filters_removed() -> None:
+    filters = FilterConfig(hot_pixels=(HOT,), activity_us=20_000)
+    run = run_cosim(noisy_blob(), replace(run_config(128, 128, n_slots=4, hardware="cot_array"), filters=filters))
+    summary = summarise(run, "")
+    assert (summary["exact"], summary["filters"]) == (True, ["mask", "activity"])
     assert 0.3 < summary["filtered_fraction"] < 0.5
-    assert summary["config"]["filters"]["hot_pixels"] == [list(HOT)]
-    view = (tmp_path / "out" / "waves.gtkw").read_text()
-    assert "behind the filters" in view
-    assert "slot 0" in view
+    assert summary["config"]["filters"]["hot_pixels"] == (HOT,)
+    assert dict(table(summary))["filtered out"].endswith("of the events, by mask, activity")
 
 
-def test_a_hot_pixel_outside_the_sensor_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_recording(noisy_blob(100), tmp_path / "noisy.npz")
-    (tmp_path / "run.toml").write_text("[filters]\nhot_pixels = [[200, 5]]\n")
-    assert main(["cosim", str(tmp_path / "noisy.npz"), "--config", str(tmp_path / "run.toml")]) == 2
-    assert "(200, 5): must lie on the 128x128 sensor" in capsys.readouterr().err
-
-
-def test_the_hot_pixel_of_the_traffic_recording_holds_no_cluster_behind_its_learned_mask() -> None:
-    path = SHARED / "traffic_outbound.aedat4"
-    if not path.exists():
-        pytest.skip(f"needs {path.name}")
-    recording = read_recording(path, to_us=1_000_000)
-    hot = learn_hot_pixels([recording.events], (recording.width, recording.height))
-    assert (192, 209) in hot
-    config = fit(for_sensor(recording.width), recording.width, recording.height)
-    before = run_cosim(recording, config)
-    after = run_cosim(recording, replace(config, filters=FilterConfig(hot_pixels=tuple(hot))))
-    assert near(before.hardware, (192, 209), 2) > 100
-    assert near(before.software, (192, 209), 2) > 100
-    assert near(after.hardware, (192, 209), 2) < 10
-    assert near(after.software, (192, 209), 2) < 10
+def test_a_hot_pixel_outside_the_sensor_is_refused(home: Path, refused: Refused) -> None:
+    write_recording(noisy_blob(100), home / "noisy.npz")
+    (home / "run.toml").write_text("[filters]\nhot_pixels = [[200, 5]]\n")
+    assert "(200, 5): must lie on the 128x128 sensor" in refused("cosim", "noisy.npz", "--config", "run.toml")
 
 
 def test_a_sensor_that_trackers_cannot_remember_is_refused_before_anything_is_built(

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-import errno
 import json
+import pickle
 import threading
 from collections.abc import Iterator
 from dataclasses import asdict, replace
@@ -15,23 +15,22 @@ import pytest
 
 import evcot
 import evcot_cosim
-from evcot.errors import EvcotError, OutputError
+from evcot.errors import EvcotError
 from evcot.events import Events
+from evcot.filters.config import FilterConfig
 from evcot.hardware.config import CotConfig, SlotConfig, with_module
 from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.modules import Module
 from evcot.recordings.files import read_recording
 from evcot.scenes.registry import SCENES, simulate_scene
-from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
-from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks, dump_window
+from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, Step, chunks, cut, dump_window
 from evcot_cosim.lockstep.mismatch import MismatchError
-from evcot_cosim.waves.vcd import parse
 from support.full_disk import full_disk
 from support.testing import broken_copy
-from support.trials import bare_device, random_traffic
+from support.trials import random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 # Windows of 13 x 13 pixels, born with their first event, always at their last one.
@@ -216,21 +215,17 @@ class TestMismatch:
             lockstep.feed(at((0, 64), (3, 58)))
 
 
-class TestDumpWindow:
-    def test_it_shows_what_the_run_did_clock_for_clock(self, tmp_path: Path) -> None:
-        events, stalls = busy(300), Stalls.random(np.random.default_rng(4))
-        dump_window(events, LIVELY, tmp_path / "w.vcd", 100, 120, stalls=stalls)
-        result, times = bare_device(LIVELY, stalls=stalls).stream_timed(TickedEvents.of(events))
-        wave = parse(tmp_path / "w.vcd")
-        named = {name.split("cot_array.")[-1]: name for name in wave.signals}
-        clock = [time for time, _ in wave[named["clk"]].tv]
-        assert (clock[0], clock[-1]) == (10 * (times.accepted[99] + 1), 10 * times.accepted[120] + 5)
-        kinds = wave[named["m_cm_kind[1:0]"]]
-        shown = [i for i, at_clock in enumerate(times.recorded) if times.accepted[99] < at_clock <= times.accepted[120]]
-        assert len(shown) >= 3
-        for i in shown:
-            assert int(kinds[10 * int(times.recorded[i])], 2) == result.records["kind"][i]
+def test_blocks_of_any_length_are_cut_into_chunks_of_one() -> None:
+    events = busy(40)
+    blocks = [events[begin:end] for begin, end in ((0, 3), (3, 3), (3, 7), (7, 30), (30, 31), (31, 40))]
+    found = list(cut(blocks, 8))
+    assert [len(chunk) for chunk in found] == [8] * 5
+    assert [len(chunk) for chunk in cut(blocks[:4], 8)] == [8, 8, 8, 6]
+    assert np.array_equal(np.concatenate([chunk.t_us for chunk in found]), events.t_us)
+    assert list(cut([], 8)) == []
 
+
+class TestDumpWindow:
     def test_it_stops_with_the_window(self, tmp_path: Path) -> None:
         seen: list[int] = []
         dump_window(zeros(3 * CHUNK), LIVELY, tmp_path / "w.vcd", 5, 6, progress=seen.append)
@@ -241,18 +236,6 @@ class TestDumpWindow:
         config = CotConfig.uniform(SHAPE, replace(JUMPY, mode=Mode.OFF))
         dump_window(busy(50), config, tmp_path / "w.vcd", 0, 40, model=build_device(config, verilog=verilog))
         assert (tmp_path / "w.vcd").stat().st_size > 1000
-
-    def test_a_folder_that_is_not_there(self, tmp_path: Path) -> None:
-        with pytest.raises(OutputError, match=r"absent/w\.vcd: cannot be written: No such file"):
-            dump_window(busy(50), LIVELY, tmp_path / "absent" / "w.vcd", 0, 40)
-
-    def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
-        bare_device(LIVELY)  # built while there is room
-        with full_disk(20_000), pytest.raises(OutputError, match=r"w\.vcd: cannot be written: File too large") as said:
-            dump_window(busy(2000), LIVELY, tmp_path / "w.vcd", 0, 2000)
-        assert isinstance(said.value.__cause__, OSError)
-        assert said.value.__cause__.errno == errno.EFBIG
-        assert list(tmp_path.iterdir()) == []
 
 
 def test_every_kind_of_record_is_compared() -> None:
@@ -285,3 +268,39 @@ def test_on_a_recording(name: str) -> None:
     if not (DATA / name).is_file():
         pytest.skip(f"{name} is not here")
     check(read_recording(DATA / name))
+
+
+FILTERS = FilterConfig(refractory_us=20, activity_us=200)
+FILTERED = replace(LIVELY, filters=FILTERS.registers(1), filter_shape=FILTERS.shape(128, 128))
+
+
+def same(one: Step, other: Step) -> bool:
+    return all(np.array_equal(*pair) for pair in zip(one.hardware, other.hardware, strict=True))
+
+
+@pytest.mark.parametrize(("config", "seed"), [(LIVELY, None), (FILTERED, 5)], ids=["plain", "filtered and stalled"])
+def test_a_restored_run_is_the_unbroken_one(config: CotConfig, seed: int | None) -> None:
+    def started() -> Lockstep:
+        stalls = None if seed is None else Stalls.random(np.random.default_rng(seed))
+        return Lockstep(config, stalls=stalls, seed=seed, model=build_device(config, waves=False, savable=True))
+
+    parts = list(chunks(busy(6_000, 3), 1_000))
+    with started() as unbroken, started() as first, started() as second:
+        wanted = [unbroken.feed(part) for part in parts]
+        assert sum(len(step.hardware.records) for step in wanted[3:]) > 100
+        for part in parts[:3]:
+            first.feed(part)
+        second.feed(parts[0])  # whatever it did before is forgotten
+        second.restore(pickle.loads(pickle.dumps(first.state())))
+        assert all(same(second.feed(part), step) for part, step in zip(parts[3:], wanted[3:], strict=True))
+        assert second.device.cycle == unbroken.device.cycle
+        assert (second.events, second.records) == (unbroken.events, unbroken.records)
+        assert np.array_equal(second.latency, unbroken.latency)
+
+
+def test_state_is_saved_in_memory_where_no_file_can_be_written() -> None:
+    """Verilator's own writer ends the process on a full disk."""
+    with Lockstep(LIVELY, model=build_device(LIVELY, waves=False, savable=True)) as lockstep:
+        with full_disk(0):
+            lockstep.restore(lockstep.state())
+        assert len(lockstep.feed(busy(1_000, 3)).hardware.owner) == 1_000

@@ -21,7 +21,7 @@ from evcot.tracks.log_files import Extent, RecordRuns, in_the_name_of, open_log
 from ...standard_streams import as_file
 from ...tables import counted, print_table
 from ..options import sensor_from
-from .log_checks import check_logs
+from .files import check_logs
 from .spinner import Counting
 
 __all__ = ["run"]

@@ -14,8 +14,7 @@ from evcot.tracks.formats.registry import box_format, is_boxes, read_boxes, writ
 from evcot.tracks.log_files import in_the_name_of, open_log
 
 from ...standard_streams import as_file
-from ..options import sensor_from
-from .clock import clock_from
+from ..options import clock_from, sensor_from
 
 __all__ = ["run"]
 

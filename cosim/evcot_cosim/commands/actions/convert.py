@@ -15,8 +15,7 @@ from evcot.recordings.files import format_for, write_events
 from evcot.recordings.formats.source import WritableFormat
 
 from ..options import window_from
-from .each import done_each
-from .opening import open_from
+from .files import done_each, open_from
 from .spinner import Counting
 
 __all__ = ["run"]

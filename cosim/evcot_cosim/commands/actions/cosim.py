@@ -29,9 +29,9 @@ from ...rtl.files import design_fingerprint
 from ...tables import print_table
 from ..options import window_from
 from ..parsing import MISMATCH
+from .files import say_resumed, work_key
 from .job import Job, job_from
 from .progress import Progress, counted_ahead
-from .resume import say_resumed, work_key
 from .settings import save_learned
 
 __all__ = ["run"]

@@ -26,8 +26,7 @@ from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
 from ...standard_streams import as_file
 from ..options import RUN_DEFAULT, RUN_LOGS, window_from
-from .log_checks import check_logs, log_of_run, run_extent
-from .opening import open_from
+from .files import check_logs, log_of_run, open_from, run_extent
 from .progress import Progress
 
 __all__ = ["draw", "film"]

@@ -17,10 +17,8 @@ from evcot.tracks.suffixes import PARQUET
 
 from ...standard_streams import as_file
 from ...tables import print_table
-from ..options import RUN_LOGS, sensor_from
-from .clock import clock_from
-from .each import done_each
-from .log_checks import log_of_run
+from ..options import RUN_LOGS, clock_from, sensor_from
+from .files import done_each, log_of_run
 from .spinner import Counting
 
 __all__ = ["run"]

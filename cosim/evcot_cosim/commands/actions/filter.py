@@ -18,7 +18,7 @@ from evcot.trackers.config import RunConfig, load_toml
 
 from ...standard_streams import format_name
 from ..options import window_from
-from .opening import open_from
+from .files import open_from
 from .settings import filters_from, save_learned
 from .spinner import Counting
 

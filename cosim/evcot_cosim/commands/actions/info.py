@@ -13,8 +13,7 @@ from typing import Any
 from evcot.recordings.describe import PEAK_WINDOW_US, Description, PixelFigures, describe
 
 from ..options import window_from
-from .each import done_each
-from .opening import open_from
+from .files import done_each, open_from
 from .spinner import Counting
 
 __all__ = ["run"]

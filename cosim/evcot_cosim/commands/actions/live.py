@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,18 +20,26 @@ from rich.console import Console
 
 from evcot.errors import ConfigError
 from evcot.events import Events
+from evcot.filters.config import FilterConfig
+from evcot.hardware.config import CotConfig, MotionConfig
+from evcot.hardware.modules import MODULES
+from evcot.trackers.engines import ENGINES, usable_engines
+from evcot.trackers.presets import run_config
+from evcot.trackers.settings import engine_settings
+from evcot.tracks.tracking import Tracker
 
 from ...live.dashboard import rows_of, show
-from ...live.player import Player
+from ...live.player import Begin, Player, Run, Wish
 from ...live.recorder import LogKeeper, Recorder
 from ...live.server import Server
+from ...live.session import Session
 from ...live.sources import CameraSource, FileSource, LiveSource, NetworkSource
+from ...live.tracker_thread import HARDWARE, Beside, hardware_beside, warm_up
 from ...tables import print_table
 from ..options import sensor_from, window_from
-from .live_runs import Runs
-from .opening import open_from
+from .files import open_from
 from .progress import Length
-from .settings import save_learned, say_seen
+from .settings import configured, filters_from, save_learned, say_seen, with_options
 from .spinner import Counting
 
 __all__ = ["run"]
@@ -186,3 +195,86 @@ def _ending(player: Player, ended: threading.Event, for_s: float | None) -> Iter
     finally:
         timer.cancel()
         signal.signal(signal.SIGTERM, before)
+
+
+class Runs:
+    """Prepares sessions over one source.
+
+    Args:
+        blocks: the events ahead of time, where the source is a file; none of a stream.
+        recorder, log: as of `Session`.
+
+    Attributes:
+        tracker: that of the newest session.
+    """
+
+    def __init__(
+        self,
+        options: argparse.Namespace,
+        source: LiveSource,
+        blocks: Callable[[], Iterator[Events]],
+        recorder: Recorder | None,
+        log: LogKeeper | None,
+    ) -> None:
+        self.tracker: Tracker | None = None
+        self._options, self._source = options, source
+        self._recorder, self._log = recorder, log
+        self._given = configured(options, source.sensor)
+        given_filters = filters_from(options, self._given[1], blocks(), source.sensor)
+        self._given = self._given[0], given_filters
+        self._hardware: CotConfig | MotionConfig | None = None
+
+    @property
+    def first(self) -> Wish:
+        """What the options say."""
+        return Wish(self._options.engine, self._options.preset, self._options.with_hardware)
+
+    def prepare(self, wish: Wish) -> Begin:
+        """See `Player`; the settings of the options are those of their engine and preset alone, filters are in front of all.
+
+        Raises:
+            ConfigError: no such engine or preset.
+        """
+        sensor = self._source.sensor
+        settings, filters = self._settings(wish)
+        start = ENGINES[wish.engine].start
+        warm_up(start(settings, filters, sensor), sensor)
+        tracker = start(settings, filters, sensor)
+        beside = [self._beside()] if wish.hardware else []
+
+        def begin() -> Run:
+            if isinstance(self._source, FileSource):
+                self._source.begin_s = wish.at_s
+            self.tracker = tracker
+            session = Session(self._source, tracker, self._recorder, self._log, beside=beside)
+            return Run(session, self._hello(wish))
+
+        return begin
+
+    def _settings(self, wish: Wish) -> tuple[Any, FilterConfig]:
+        if (wish.engine, wish.preset) == (self._options.engine, self._options.preset):
+            return self._given
+        settings, filters = engine_settings(wish.engine, self._source.sensor, wish.preset)
+        return settings, with_options(self._options, filters, self._source.sensor)
+
+    def _beside(self) -> Beside:
+        """The default hardware, as `evcot cosim` runs it."""
+        sensor = self._source.sensor
+        if self._hardware is None:
+            run = run_config(*sensor)
+            run = replace(run, filters=with_options(self._options, run.filters, sensor))
+            self._hardware = run.device_config(*sensor)
+        return hardware_beside(self._hardware, sensor)
+
+    def _hello(self, wish: Wish) -> dict[str, Any]:
+        source = self._source
+        is_file = isinstance(source, FileSource)
+        return {
+            "name": source.name, "engine": wish.engine, "preset": wish.preset,
+            "width": source.sensor[0], "height": source.sensor[1],
+            "speed": self._options.speed if is_file else 1.0,
+            "engines": {name: list(engine.presets) for name, engine in usable_engines().items()},
+            "lanes": [wish.engine, *([HARDWARE] if wish.hardware else [])],
+            "kinds": ["model" if wish.engine in MODULES else "software", *([HARDWARE] if wish.hardware else [])],
+            "seekable": is_file,
+        }  # fmt: skip

@@ -25,13 +25,12 @@ from ...lockstep.summary import SUMMARY, read_summary
 from ...report import REPORT, Material, Run, Side, Truth, comparison_of, truth_of, write_report
 from ...report.artifacts import files_of
 from ...report.long_run import write_long_logs
+from ...report.material import side_name, side_names
 from ...report.pack import EVENTS_MAX
 from ...report.part_pages import write_overview
-from ...side_names import side_name, side_names
 from ...standard_streams import as_file
 from ..options import sensor_from, window_from
-from .log_checks import check_logs, run_extent
-from .opening import open_from
+from .files import check_logs, open_from, run_extent
 from .progress import Progress
 
 __all__ = ["run"]

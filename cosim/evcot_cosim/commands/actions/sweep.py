@@ -26,7 +26,7 @@ from ...tables import print_table
 from ..parsing import MISMATCH
 from .progress import Progress
 
-__all__ = ["jobs_from", "run", "swept"]
+__all__ = ["run", "swept"]
 
 _LISTED = 5  # of failures, and of the best
 

@@ -24,11 +24,9 @@ from evcot.tracks.tally import Tally
 from evcot.unfinished import unfinished
 
 from ...tables import print_table
-from ..options import window_from
-from .clock import clock_from
-from .opening import open_from
+from ..options import clock_from, window_from
+from .files import open_from, say_resumed, work_key
 from .progress import Progress, counted_ahead
-from .resume import say_resumed, work_key
 from .settings import configured, filters_from, plain, save_learned, say_seen
 
 __all__ = ["run"]
