@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Waveforms of real runs, dumped once: blobs that cross, merge, rest and vanish, with every stream stalled at random.
 
-And one browser for all tests that want one.
+A folder for commands, and what they refuse. And one browser for all tests that want one.
 """
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,8 +20,12 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
 from evcot.hardware.modules import Module
 from evcot.tracks.log import Kind
+from evcot_cosim.cli import main
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
+from evcot_cosim.rtl.build import cache_dir
+
+Refused = Callable[..., str]
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 SLOT = SlotConfig(
@@ -74,6 +78,32 @@ def dumped(config: CotConfig, events: Events, stalls: Stalls, path: Path, top: M
     wanted = set(Kind) - {Kind.MERGED} if top == "cot_chain" else set(Kind)
     assert set(records["kind"]) == wanted, "the run is to show every kind of record"
     return path
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty working folder; models come from the cache that the test run shares."""
+    monkeypatch.setenv("EVCOT_CACHE", str(cache_dir()))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def refused(capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Runs a command that cannot be done; returns the one line that it prints, which must be all that it leaves."""
+
+    def run(*arguments: str) -> str:
+        before = sorted(Path().rglob("*"))
+        capsys.readouterr()
+        assert main(arguments) == 2
+        printed = capsys.readouterr()
+        lines = [line for line in printed.err.splitlines() if not line.startswith("evcot: compiling the hardware")]
+        assert (printed.out, len(lines)) == ("", 1), printed.err
+        assert sorted(Path().rglob("*")) == before
+        assert lines[0].startswith("evcot: ")
+        return lines[0].removeprefix("evcot: ")
+
+    return run
 
 
 @pytest.fixture(scope="session")

@@ -6,12 +6,10 @@ from __future__ import annotations
 import json
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,16 +22,12 @@ from evcot.trackers.presets import PRESETS
 from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.rtl.files import copy_rtl
+from support.full_disk import full_disk
+
+from .conftest import Refused
 
 Capture = pytest.CaptureFixture[str]
-
-
-@pytest.fixture(autouse=True)
-def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Every command runs in a folder of its own; models come from the cache that the test run shares."""
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("home")
 
 
 def blob(n: int = 6_000, seed: int = 3) -> Recording:
@@ -48,24 +42,10 @@ def blob(n: int = 6_000, seed: int = 3) -> Recording:
 
 
 @pytest.fixture
-def recording(in_empty_folder: Path) -> Path:
-    path = in_empty_folder / "blob.npz"
+def recording(home: Path) -> Path:
+    path = home / "blob.npz"
     write_recording(blob(), path)
     return path
-
-
-COMPILING = "evcot: compiling the hardware"  # told before the first run of a shape
-
-
-def error_of(capture: Capture, *arguments: str) -> str:
-    """The one line that a command which cannot be done prints, after exit code 2 and with nothing written."""
-    assert main(arguments) == 2
-    printed = capture.readouterr()
-    assert printed.out == ""
-    lines = [line for line in printed.err.splitlines() if not line.startswith(COMPILING)]
-    assert len(lines) == 1, printed.err
-    assert not list(Path.cwd().glob("build/*/*"))
-    return lines[0].removeprefix("evcot: ")
 
 
 CODES = ("kind", "mode", "phase")
@@ -131,17 +111,20 @@ def test_other_hardware_is_checked_too(recording: Path, hardware: str, capsys: C
     assert (summary["exact"], summary["hardware"], summary["slots"]) == (True, hardware, 1)
 
 
-def test_quiet_prints_nothing(recording: Path, capsys: Capture) -> None:
-    assert main(["cosim", str(recording), "--quiet", "--no-waves"]) == 0
-    assert capsys.readouterr() == ("", "")
+def test_a_run_of_no_track_shows_its_first_event() -> None:
+    assert main(["cosim", "discs", "--to", "0.1", "--preset", "motion", "-o", "out", "-q"]) == 0
+    summary = json.loads(Path("out/summary.json").read_text())
+    assert (summary["exact"], summary["agreement"]["tracks_hardware"]) == (True, 0)
+    assert "event 0" in Path("out/waves.gtkw").read_text()
 
 
-def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
+def test_waves_of_a_time_window(recording: Path, capsys: Capture, refused: Refused) -> None:
     assert main(["waves", str(recording), "--hardware", "cot_array", "--from", "10", "--to", "11"]) == 0
     assert "events 500 to 549 in build/waves/blob/" in capsys.readouterr().out
     folder = Path("build/waves/blob")
     assert {path.name for path in folder.iterdir()} == {"run.toml", *view_files("waves")}
     assert (folder / "waves.vcd").read_text().count("\n#") >= 2 * 50
+    assert refused("waves", "--from", "9000").startswith("waveform from 9000000 us to 9002000 us: no event there")
 
 
 def test_presets_are_listed(capsys: Capture) -> None:
@@ -184,24 +167,17 @@ def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     assert f"event {found['event_index']}, tick {found['tick']}: {found['field']}" in printed.err
 
 
-def csv(*lines: str) -> bytes:
-    return "\n".join(lines).encode() + b"\n"
-
-
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
         ("nothing.aedat4", None, "nothing.aedat4: cannot be read: No such file or directory"),
-        ("empty.raw", b"", "empty.raw: is empty"),
         ("what.bin", b"\x00\x01\x02\x03" * 9, "what.bin: "),
-        ("back.csv", csv("t,x,y,p", "20005,1,1,1", "3,1,1,0"), "back.csv: event 1: t = 3 us follows t = 20005 us: "),
-        ("cut.raw", b"% evt 2.0\n% geometry 640x480\n% end\n" + bytes(10), "cut.raw: ends within a word of 4 bytes"),
     ],
 )  # fmt: skip
-def test_a_bad_file(name: str, content: bytes | None, message: str, capsys: Capture) -> None:
+def test_a_bad_file(name: str, content: bytes | None, message: str, refused: Refused) -> None:
     if content is not None:
         Path(name).write_bytes(content)
-    assert error_of(capsys, "cosim", name).startswith(message)
+    assert refused("cosim", name).startswith(message)
 
 
 def test_a_name_with_a_line_break_and_codes_for_a_terminal_is_told_in_one_line(capsys: Capture) -> None:
@@ -212,76 +188,59 @@ def test_a_name_with_a_line_break_and_codes_for_a_terminal_is_told_in_one_line(c
 @pytest.mark.parametrize(
     ("toml", "message"),
     [
-        ("[cot]\nhist_avg = 9", "run.toml: cot.slot[0].hist_avg = 9: must be an integer from 0 to 8"),
         ("[cot]\ninit_cm_x = 128", "run.toml: cot.slot[0].init_cm_x = 128: must be an integer from 0 to 127"),
-        ("[[slot]]\nnev_min = 60", "run.toml: cot.slot[0].clust_nev = 16: must lie from nev_min = 60 to nev_max = 32"),
         ("[shape]\nn_slots = 65", "run.toml: shape.n_slots = 65: must be an integer from 1 to 64"),
         ("[shape]\nn_slots = 1\n[[slot]]\n[[slot]]", "run.toml: [[slot]] occurs 2 times: must be at most shape.n_slots = 1"),
         ("[shape]\nx_w = 6", "shape.x_w = 6: too few bits for 128 pixels of blob"),
-        ("[rct]\nalpha = 2", "run.toml: rct.alpha = 2: must be from 1e-06 to 1"),
-        ("[cot]\nradius = 3", "run.toml: [cot]: unknown field 'radius': must be one of "),
         ("[cot", "run.toml: is not TOML: "),
     ],
 )
-def test_a_bad_configuration(recording: Path, toml: str, message: str, capsys: Capture) -> None:
+def test_a_bad_configuration(recording: Path, toml: str, message: str, refused: Refused) -> None:
     Path("run.toml").write_text(toml)
-    assert error_of(capsys, "cosim", str(recording), "--config", "run.toml").startswith(message)
+    assert refused("cosim", str(recording), "--config", "run.toml").startswith(message)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("cosim", "--slots", "65"), "shape.n_slots = 65: must be an integer from 1 to 64"),
-        (("cosim", "--preset", "warp"), "preset 'warp': must be one of motion, slow, fast"),
-        (("cosim", "--seed", "-1"), "--seed -1: must not be negative"),
-        (("cosim", "--hardware", "cot", "--slots", "2"), "shape.n_slots = 2: must be 1 for a single tracker"),
-        (("waves", "--from", "9000"), "waveform from 9000000 us to 9002000 us: no event there"),
-    ],
-)
-def test_a_bad_option(arguments: tuple[str, ...], message: str, capsys: Capture) -> None:
-    assert error_of(capsys, *arguments).startswith(message)
-
-
-def test_no_simulator(recording: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+def test_no_simulator(recording: Path, monkeypatch: pytest.MonkeyPatch, refused: Refused) -> None:
     monkeypatch.setenv("VERILATOR", "/nowhere/verilator")
-    assert error_of(capsys, "cosim", str(recording)).startswith("$VERILATOR is /nowhere/verilator, which is not an executable")
+    assert refused("cosim", str(recording)).startswith("$VERILATOR is /nowhere/verilator, which is not an executable")
 
 
-def test_no_compiler(recording: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+def test_no_compiler(recording: Path, monkeypatch: pytest.MonkeyPatch, refused: Refused) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
-    assert "g++ (install the g++ package)" in error_of(capsys, "cosim", str(recording))
+    assert "g++ (install the g++ package)" in refused("cosim", str(recording))
 
 
-def test_rtl_that_does_not_build(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+def test_rtl_that_does_not_build(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: Refused) -> None:
     broken_verilog(tmp_path, monkeypatch, "cot_array.v", "module cot_array #(", "module cot_array ((")
     assert re.search(
-        r"^cannot build cot_array .*%Error: .*cot_array\.v:\d+", error_of(capsys, "cosim", str(recording), "--preset", "dvs128")
+        r"^cannot build cot_array .*%Error: .*cot_array\.v:\d+", refused("cosim", str(recording), "--preset", "dvs128")
     )
 
 
-def test_an_unwritable_folder(recording: Path, capsys: Capture) -> None:
+def test_an_unwritable_folder(recording: Path, refused: Refused) -> None:
     Path("taken").write_text("a file where a folder should be")
-    assert main(["cosim", str(recording), "-o", "taken/run", "--quiet"]) == 2
-    assert re.fullmatch(r"evcot: -o taken/\S*: cannot be written: Not a directory\n", capsys.readouterr().err)
+    said = refused("cosim", str(recording), "-o", "taken/run", "--quiet")
+    assert re.fullmatch(r"-o taken/\S*: cannot be written: Not a directory", said)
 
 
-def evcot(*arguments: str, prepare: Callable[[], None] | None = None) -> subprocess.Popen[str]:
-    """The command in a process of its own."""
-    command = [sys.executable, "-m", "evcot_cosim", *arguments]
-    return subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=prepare)
-
-
-def test_a_full_disk_leaves_nothing_that_looks_whole(recording: Path) -> None:
+def test_a_full_disk_leaves_nothing_that_looks_whole(recording: Path, capsys: Capture) -> None:
     assert main(["cosim", str(recording), "-o", "before", "--quiet"]) == 0  # Numba's cache is full from here on
-    run = evcot("cosim", str(recording), prepare=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)))
-    out, err = run.communicate(timeout=120)
-    assert (run.returncode, out) == (2, "")
-    assert re.fullmatch(r"evcot: build/cosim/blob/[\w.]+: cannot be written: File too large\n", err)
+    assert capsys.readouterr() == ("", "")
+    with full_disk(20_000):
+        run = subprocess.run(
+            [sys.executable, "-m", "evcot_cosim", "cosim", str(recording)],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert (run.returncode, run.stdout) == (2, "")
+    assert re.fullmatch(r"evcot: build/cosim/blob/[\w.]+: cannot be written: File too large\n", run.stderr)
     assert not Path("build").exists()
 
 
-def interrupted(module: str, *arguments: str, after_s: float = 0.0) -> tuple[str, int, list[str]]:
-    """What the command prints, its exit code and its lines on standard error, interrupted so long after it imports a module."""
+def interrupt(module: str, *arguments: str, after_s: float = 0.0) -> None:
+    """Interrupt the command so long after it has imported a module: it says so in one line, and has written nothing."""
     command = [sys.executable, "-X", "importtime", "-m", "evcot_cosim", *arguments]
     with subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
         assert run.stderr is not None
@@ -290,19 +249,12 @@ def interrupted(module: str, *arguments: str, after_s: float = 0.0) -> tuple[str
         time.sleep(after_s)
         os.kill(run.pid, signal.SIGINT)
         out, err = run.communicate(timeout=120)
-    return out, run.returncode, [line for line in err.splitlines() if not line.startswith(("import time:", COMPILING))]
+    told = [line for line in err.splitlines() if not line.startswith(("import time:", "evcot: compiling"))]
+    assert (run.returncode, out, told) == (2, "", ["evcot: interrupted: nothing was written"])
 
 
-def test_an_interrupt_leaves_nothing_that_looks_whole(in_empty_folder: Path) -> None:
+def test_an_interrupt_leaves_nothing_that_looks_whole(home: Path) -> None:
     write_recording(blob(4_000_000), Path("long.npz"))
-    arguments = ("cosim", "long.npz", "--hardware", "cot_chain")
-    out, code, told = interrupted("evcot_cosim.commands.actions.progress", *arguments, after_s=2.0)
-    assert (code, out) == (2, "")
-    assert told == ["evcot: interrupted: nothing was written"]
+    interrupt("evcot_cosim.commands.actions.progress", "cosim", "long.npz", "--hardware", "cot_chain", after_s=2.0)
     assert not list(Path().glob("build/*/*"))
-
-
-def test_an_interrupt_while_the_program_loads_is_one_line_too(in_empty_folder: Path) -> None:
-    out, code, told = interrupted("evcot.errors", "presets")
-    assert (code, out) == (2, "")
-    assert told == ["evcot: interrupted: nothing was written"]
+    interrupt("evcot.errors", "presets")  # while the program loads

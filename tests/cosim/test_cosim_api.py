@@ -14,17 +14,12 @@ import pytest
 
 import evcot
 import evcot_cosim
-import evcot_cosim.rtl.build
 from evcot.errors import ConfigError
 from evcot.page import Page
 from evcot_cosim.cli import main
 from support.logs import log_of
 
-
-@pytest.fixture(autouse=True)
-def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("home")
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +39,7 @@ def same(folder: str, other: str) -> bool:
 SIDES = ("hardware", "model", "software")
 
 
-@pytest.mark.parametrize("options", [{}, {"hardware": "cot_chain"}, {"preset": "discs", "slots": 3}, {"stall_seed": 5}])
+@pytest.mark.parametrize("options", [{}, {"hardware": "cot_chain"}, {"preset": "discs", "slots": 3, "stall_seed": 5}])
 def test_a_call_does_what_the_command_does(recording: evcot.Recording, options: dict[str, str | int]) -> None:
     evcot.write(recording, "discs.npz")
     run = evcot_cosim.cosim("discs.npz", **options)  # type: ignore[arg-type]

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-import evcot_cosim.rtl.build
 from evcot_cosim.cli import main
 
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorial.md"
@@ -32,11 +31,7 @@ def test_a_line_of_dots_stands_for_lines_and_dots_within_one_for_anything() -> N
     assert not re.fullmatch(pattern("a 1\n"), "a 2\n")
 
 
-def test_every_step_does_what_it_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
-    monkeypatch.chdir(tmp_path)
+def test_every_step_does_what_it_says(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     commands = 0
     for kind, text in BLOCK.findall(TUTORIAL.read_text()):
         if kind == "python" and (name := re.match(r"# (\w+\.py)\n", text)):

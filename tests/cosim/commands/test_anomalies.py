@@ -15,6 +15,8 @@ from evcot.recordings.files import write_events
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.cli import main
 
+from ..conftest import Refused
+
 Capture = pytest.CaptureFixture[str]
 
 ZONES = """
@@ -49,9 +51,8 @@ def save(name: str, *tracks: np.ndarray) -> None:
 
 
 @pytest.fixture(autouse=True)
-def logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def logs(home: Path) -> None:
     """monday.npz: ten cars that drive up; today.npz: four, and one that drives down."""
-    monkeypatch.chdir(tmp_path)
     save("monday.npz", *(drive(i, 500_000 * i, 100.0, 230, -100) for i in range(10)))
     save("today.npz", *(drive(i, 500_000 * i, 100.0, 230, -100) for i in range(4)), drive(7, 300_000, 101.0, 40, 100))
     Path("zones.toml").write_text(ZONES)
@@ -62,16 +63,6 @@ def logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def learned() -> None:
     assert main(["anomalies", "--learn", "monday.npz", "--sensor", "346x260", "-o", "normal.npz"]) == 0
-
-
-def error_of(capture: Capture, *arguments: str) -> str:
-    capture.readouterr()
-    assert main(["anomalies", *arguments]) == 2
-    printed = capture.readouterr()
-    assert printed.out == ""
-    assert printed.err.startswith("evcot: ")
-    assert printed.err.count("\n") == 1
-    return printed.err.removeprefix("evcot: ").rstrip()
 
 
 def test_learn_then_tell(capsys: Capture) -> None:
@@ -125,22 +116,22 @@ def test_alarms_go_into_files_and_a_picture(capsys: Capture) -> None:
     assert Path("none.csv").read_text().count("\n") == 1
 
 
-def test_a_log_that_does_not_belong_is_refused(capsys: Capture) -> None:
+def test_a_log_that_does_not_belong_is_refused(refused: Refused) -> None:
     learned()
     assert main(["anomalies", "today.npz", "--normal", "normal.npz", "--recording", "today.csv", "--sensor", "346x260"]) == 0
-    assert error_of(capsys, "monday.npz", "--recording", "today.csv").startswith(
+    assert refused("anomalies", "monday.npz", "--recording", "today.csv").startswith(
         "monday.npz: does not belong to today.csv: record "
     )
     log = TrackLog.load_npz("today.npz")
     TrackLog("rct", log.records, log.owner[:-1]).save_npz("short.npz")
-    assert error_of(capsys, "short.npz", "--recording", "today.csv") == (
+    assert refused("anomalies", "short.npz", "--recording", "today.csv") == (
         "short.npz: does not belong to today.csv: owner has 999 entries: must be one for each of the recording's 1000 events"
     )
-    assert error_of(capsys, "today.npz", "--normal", "normal.npz", "--sensor", "128x128") == (
+    assert refused("anomalies", "today.npz", "--normal", "normal.npz", "--sensor", "128x128") == (
         "sensor 128x128: must be that of the normal motion and the zones, 346x260"
     )
     save("wide.npz", drive(1, 0, 500.0, 230, -100))
-    assert error_of(capsys, "wide.npz", "--normal", "normal.npz").startswith(
+    assert refused("anomalies", "wide.npz", "--normal", "normal.npz").startswith(
         "wide.npz: record 0: x = 500: must lie on the 346x260"
     )
 
@@ -165,12 +156,12 @@ def test_a_log_that_does_not_belong_is_refused(capsys: Capture) -> None:
         (["--learn", "today.npz", "-o", "n.npz", "--set", "cell_px=0"], "field.cell_px = 0: must be from 1 to 1024"),
     ],
 )
-def test_what_cannot_be_used_is_named(arguments: list[str], message: str, capsys: Capture) -> None:
-    assert error_of(capsys, *arguments).startswith(message)
+def test_what_cannot_be_used_is_named(arguments: list[str], message: str, refused: Refused) -> None:
+    assert refused("anomalies", *arguments).startswith(message)
 
 
-def test_a_field_learned_otherwise_is_refused(capsys: Capture) -> None:
+def test_a_field_learned_otherwise_is_refused(refused: Refused) -> None:
     learned()
-    assert error_of(capsys, "today.npz", "--normal", "normal.npz", "--set", "travel_px=8").startswith(
+    assert refused("anomalies", "today.npz", "--normal", "normal.npz", "--set", "travel_px=8").startswith(
         "step_us = 25000, window_us = 500000, travel_px = 8: must be as when normal motion was learned"
     )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,8 @@ from evcot_cosim.commands.actions import board
 from evcot_cosim.fpga.board import expected_records
 from evcot_cosim.fpga.board_sim import BOARDS, SimulatedBoard
 from evcot_cosim.fpga.serial_host import SerialHost
+
+from ..conftest import Refused
 
 pytest.importorskip("serial", reason="needs pyserial")
 
@@ -75,13 +78,6 @@ def test_a_board_that_has_run_for_long_is_to_be_reset(capsys: Capture, monkeypat
     assert "as many as the golden model makes here; reset the board" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["/dev/ttyUSB77"], "evcot: /dev/ttyUSB77: cannot be opened: "),
-        (["/dev/ttyUSB77", "--records", "0"], "evcot: --records 0: must be from 1 to 10,000\n"),
-    ],
-)
-def test_what_a_user_may_get_wrong_is_one_line(arguments: list[str], complaint: str, capsys: Capture) -> None:
-    assert main(["board", *arguments]) == 2
-    assert capsys.readouterr().err.startswith(complaint)
+def test_what_a_user_may_get_wrong_is_one_line(home: Path, refused: Refused) -> None:
+    assert refused("board", "/dev/ttyUSB77").startswith("/dev/ttyUSB77: cannot be opened: ")
+    assert refused("board", "/dev/ttyUSB77", "--records", "0") == "--records 0: must be from 1 to 10,000"

@@ -14,14 +14,15 @@ from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.cli import main
 from support.logs import log_of
 
+from ..conftest import Refused
+
 Capture = pytest.CaptureFixture[str]
 FRAME = ["--frame-us", "10000"]
 
 
 @pytest.fixture(autouse=True)
-def story(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def story(home: Path) -> None:
     """Two objects for half a second; the log follows one of them, 2 px off, and has a false track for a while."""
-    monkeypatch.chdir(tmp_path)
     lines = []
     for frame in range(50):
         lines += [f"{frame + 1},1,{11.5 + frame},21.5,20,12,1,1,1", f"{frame + 1},2,150,100,20,12,1,1,1"]
@@ -36,14 +37,6 @@ def said(capture: Capture, *arguments: str) -> dict[str, Any]:
     assert main([*arguments, "--json"]) == 0
     found: dict[str, Any] = json.loads(capture.readouterr().out)
     return found
-
-
-def error_of(capture: Capture, *arguments: str) -> str:
-    assert main(list(arguments)) == 2
-    printed = capture.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    return printed.err.removeprefix("evcot: ").rstrip()
 
 
 def test_a_log_scores_the_same_in_every_format(capsys: Capture) -> None:
@@ -69,27 +62,27 @@ def test_a_truth_scores_the_same_in_every_format(capsys: Capture) -> None:
     assert Path("again.txt").read_text() == Path("gt.txt").read_text()
 
 
-def test_the_origin_moves_frames(capsys: Capture) -> None:
+def test_the_origin_moves_frames(capsys: Capture, refused: Refused) -> None:
     assert main(["boxes", "log.npz", "late.txt", *FRAME, "--origin-us", "100000", "-q"]) == 0
     assert Path("late.txt").read_text().startswith("1,1,21.5,23.5,20,12,0.5,-1,-1,-1\n1,2,")
     assert said(capsys, "evaluate", "late.txt", "--truth", "gt.txt", *FRAME)["tp"] < 20
     log = TrackLog.load_npz("log.npz")
     log.records["t_us"] += 10**15
     log.save_npz("decades.npz")
-    message = error_of(capsys, "evaluate", "decades.npz", "--truth", "gt.txt", *FRAME)
+    message = refused("evaluate", "decades.npz", "--truth", "gt.txt", *FRAME)
     spans = "t_us from 1000000000000000 to 1000000000500000, the truth's from 0 to 490000"
     assert message.startswith(f"decades.npz: {spans}: must be of one clock")
     assert said(capsys, "evaluate", "decades.npz", "--truth", "gt.txt", *FRAME, "--origin-us", str(10**15))["tp"] == 50
 
 
-def test_track_writes_boxes_of_the_recordings_frames(capsys: Capture) -> None:
+def test_track_writes_boxes_of_the_recordings_frames(capsys: Capture, refused: Refused) -> None:
     assert main(["simulate", "boxes", "-o", "scene.npz", "--set", "duration_us=100000"]) == 0
     capsys.readouterr()
     found = said(capsys, "track", "scene.npz", "-o", "own.npz", "--boxes", "own.txt", *FRAME)
     assert main(["boxes", "own.npz", "same.txt", *FRAME, "--origin-us", str(found["frame_1_at_us"]), "-q"]) == 0
     assert Path("own.txt").read_text() == Path("same.txt").read_text() != ""
-    assert "must be given (--frame-us)" in error_of(capsys, "track", "scene.npz", "--boxes", "more.txt")
-    assert "exists" in error_of(capsys, "track", "scene.npz", "--boxes", "own.txt", *FRAME)
+    assert "must be given (--frame-us)" in refused("track", "scene.npz", "--boxes", "more.txt")
+    assert "exists" in refused("track", "scene.npz", "--boxes", "own.txt", *FRAME)
 
 
 @pytest.mark.parametrize(
@@ -112,10 +105,8 @@ def test_track_writes_boxes_of_the_recordings_frames(capsys: Capture) -> None:
         ("evaluate log.npz --truth gt.txt --frame-us 10000 --rule scene", "counted.visible: must be one of confidence, class"),
     ],
 )
-def test_what_cannot_be_is_said_in_one_line(arguments: str, message: str, capsys: Capture) -> None:
-    before = sorted(Path().iterdir())
-    assert error_of(capsys, *arguments.split()).startswith(message)
-    assert sorted(Path().iterdir()) == before
+def test_what_cannot_be_is_said_in_one_line(arguments: str, message: str, refused: Refused) -> None:
+    assert refused(*arguments.split()).startswith(message)
 
 
 def test_the_line_for_people(capsys: Capture) -> None:

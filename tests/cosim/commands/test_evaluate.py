@@ -14,6 +14,8 @@ from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.lockstep.run_file import RunFile, Source, write_run_file
 
+from ..conftest import Refused
+
 Capture = pytest.CaptureFixture[str]
 KEYS = {
     "hota", "deta", "assa", "loca", "mota", "motp", "idf1", "idp", "idr", "idsw", "frag", "tp", "fp", "fn", "mt", "ml",
@@ -23,9 +25,8 @@ KEYS = {
 
 
 @pytest.fixture(autouse=True)
-def story(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def story(home: Path) -> None:
     """A box that drives to the right for a second at 100 px/s, and a track that is 2 px below it, for half the time."""
-    monkeypatch.chdir(tmp_path)
     lines = ["t_us,object_id,left,top,width,height,vx,vy,visible,occluded"]
     lines += [f"{t},0,{10 + t * 1e-4:.4f},20,30,40,100,0,1,0" for t in range(0, 1_000_000, 10_000)]
     Path("truth.csv").write_text("\n".join(lines) + "\n")
@@ -35,16 +36,6 @@ def story(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     records["kind"][0], records["kind"][-1] = Kind.BORN, Kind.LOST
     records["x"], records["y"] = 25 + records["t_us"] * 1e-4, 42.0
     TrackLog("rct", records, np.empty(0, np.int16)).save_npz("software.npz")
-    return tmp_path
-
-
-def error_of(capture: Capture, *arguments: str) -> str:
-    assert main(["evaluate", *arguments]) == 2
-    printed = capture.readouterr()
-    assert printed.out == ""
-    assert printed.err.startswith("evcot: ")
-    assert printed.err.count("\n") == 1
-    return printed.err.removeprefix("evcot: ").rstrip()
 
 
 def test_every_figure_as_json(capsys: Capture) -> None:
@@ -91,24 +82,26 @@ def test_what_is_not_known_is_null(capsys: Capture) -> None:
     assert "latency          unknown\n" in capsys.readouterr().out
 
 
-def test_a_rule_of_ones_own_and_the_sensor(capsys: Capture) -> None:
+def test_a_rule_of_ones_own_and_the_sensor(capsys: Capture, refused: Refused) -> None:
     Path("left.toml").write_text('base = "scene"\nclip = true\n')
     arguments = ["evaluate", "software.npz", "--truth", "truth.csv", "--rule", "left.toml", "--json"]
-    assert error_of(capsys, *arguments[1:]).startswith("sensor: must be given (--sensor WxH")
+    assert refused("evaluate", *arguments[1:]).startswith("sensor: must be given (--sensor WxH")
     assert main([*arguments, "--sensor", "40x100"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["tp"] + found["fn"] == 30  # left edges from 10 to 39 px lie on 40 columns
 
 
-def test_without_a_rule_it_is_the_one_whose_columns_the_truth_has(capsys: Capture) -> None:
+def test_without_a_rule_it_is_the_one_whose_columns_the_truth_has(refused: Refused) -> None:
     boxes = "0,0,1000,7,10,10,20,20\n"
     Path("boxes.csv").write_text(f"frame,t_begin_us,t_end_us,track_id,left,top,width,height\n{boxes}")
     Path("other.csv").write_text("t,id,x,y\n1,2,3,4\n")
-    assert error_of(capsys, "software.npz", "--truth", "boxes.csv", "--rule", "scene").startswith("boxes.csv: line 1: ")
-    assert error_of(capsys, "software.npz", "--truth", "boxes.csv") == error_of(
-        capsys, "software.npz", "--truth", "boxes.csv", "--rule", "traffic"
+    scene, traffic, none = (
+        refused("evaluate", "software.npz", "--truth", "boxes.csv", *rule)
+        for rule in (["--rule", "scene"], ["--rule", "traffic"], [])
     )
-    assert "must have one column" in error_of(capsys, "software.npz", "--truth", "other.csv")
+    assert scene.startswith("boxes.csv: line 1: ")
+    assert none == traffic
+    assert "must have one column" in refused("evaluate", "software.npz", "--truth", "other.csv")
 
 
 @pytest.mark.parametrize(
@@ -126,16 +119,17 @@ def test_without_a_rule_it_is_the_one_whose_columns_the_truth_has(capsys: Captur
         (["software.npz", "--truth", "truth.csv", "--sensor", "0x5"], "sensor = (0, 5): must be [width, height]"),
     ],
 )
-def test_what_cannot_be_used_is_named(arguments: list[str], message: str, capsys: Capture) -> None:
-    assert error_of(capsys, *arguments).startswith(message)
+def test_what_cannot_be_used_is_named(arguments: list[str], message: str, refused: Refused) -> None:
+    assert refused("evaluate", *arguments).startswith(message)
 
 
-def test_a_log_that_no_engine_writes_is_named(capsys: Capture) -> None:
+def test_a_log_that_no_engine_writes_is_named(refused: Refused) -> None:
     log = TrackLog.load_npz("software.npz")
     log.records["x"][3] = np.nan
     log.save_npz("bad.npz")
     assert (
-        error_of(capsys, "bad.npz", "--truth", "truth.csv") == "bad.npz: record 3: x = nan: must be a number of at most 1e+09"
+        refused("evaluate", "bad.npz", "--truth", "truth.csv")
+        == "bad.npz: record 3: x = nan: must be a number of at most 1e+09"
     )
 
 
@@ -166,14 +160,16 @@ def test_all_engines_of_a_run(capsys: Capture) -> None:
     assert next(row.split()[1:] for row in rows if row.startswith("found")) == ["50", "50", str(found["model"]["tp"])]
 
 
-def test_a_log_of_another_recording_in_a_run_is_refused(capsys: Capture) -> None:
+def test_a_log_of_another_recording_in_a_run_is_refused(refused: Refused) -> None:
     run_folder(of_model="fedcba9876543210")
-    assert error_of(capsys, "run", "--truth", "truth.csv").startswith("run/model.npz: recording = 'fedcba9876543210': must be")
+    assert refused("evaluate", "run", "--truth", "truth.csv").startswith(
+        "run/model.npz: recording = 'fedcba9876543210': must be"
+    )
 
 
-def test_a_folder_that_is_no_run(capsys: Capture) -> None:
+def test_a_folder_that_is_no_run(refused: Refused) -> None:
     Path("empty").mkdir()
-    assert error_of(capsys, "empty", "--truth", "truth.csv").startswith("empty: is no folder of a run: must be")
+    assert refused("evaluate", "empty", "--truth", "truth.csv").startswith("empty: is no folder of a run: must be")
 
 
 def test_several_logs_and_runs_are_columns_of_one_table(capsys: Capture) -> None:

@@ -16,11 +16,13 @@ from evcot.filters.run import apply
 from evcot.recordings.files import read_recording, write_recording
 from evcot_cosim.cli import main
 
+from ..conftest import Refused
+
 HOT = (20, 7)
 
 
 @pytest.fixture
-def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def source(home: Path) -> Path:
     """Noise on a 64x48 sensor for a second, and a hot pixel; alone in a folder."""
     random = np.random.default_rng(2)
     count = 20_000
@@ -32,24 +34,13 @@ def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         y.astype(np.uint16),
         random.integers(0, 2, count).astype(np.uint8),
     )
-    monkeypatch.chdir(tmp_path)
-    write_recording(Recording(events, 64, 48, "source"), tmp_path / "source.npz")
-    return tmp_path / "source.npz"
+    write_recording(Recording(events, 64, 48, "source"), home / "source.npz")
+    return home / "source.npz"
 
 
 def filtered(source: Path, *options: str) -> Events:
     assert main(["filter", str(source), "out.npz", "-q", "--force", *options]) == 0
     return read_recording("out.npz").events
-
-
-def refusal(capture: pytest.CaptureFixture[str], source: Path, *options: str) -> str:
-    """The one line of a command that cannot be done and writes nothing."""
-    assert main(["filter", str(source), "out.npz", *options]) == 2
-    printed = capture.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert not Path("out.npz").exists()
-    return printed.err.removeprefix("evcot: ").rstrip()
 
 
 @pytest.mark.parametrize(
@@ -85,12 +76,6 @@ def test_options_are_the_configurations_fields(source: Path, options: str, confi
     assert 0 < len(got) < len(keep)
     for name in ("t_us", "x", "y", "p"):
         np.testing.assert_array_equal(getattr(got, name), getattr(wanted.events, name))
-
-
-def test_the_suffix_tells_what_is_written(source: Path) -> None:
-    assert main(["filter", str(source), "out.csv", "-q", "--polarity", "on"]) == 0
-    assert Path("out.csv").read_text().count("\n") > 9_000
-    assert len(read_recording("out.csv", (64, 48)).events) == len(filtered(source, "--polarity", "on"))
 
 
 def test_an_unknown_suffix_is_refused_before_anything_is_done(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -140,16 +125,9 @@ class TestHotPixels:
         np.testing.assert_array_equal(filtered(source, "--learn-hot-pixels").t_us, got.t_us)
         np.testing.assert_array_equal(filtered(source, "--hot-pixels", "hot.txt").t_us, got.t_us)
 
-    def test_where_none_is_found_all_stays(self, source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        calm = filtered(source, "--learn-hot-pixels")
-        write_recording(Recording(calm, 64, 48), "calm.npz")
-        assert main(["filter", "calm.npz", "calmer.npz", "--learn-hot-pixels", "--save-hot-pixels", "none.txt"]) == 0
-        assert capsys.readouterr().out.splitlines()[1].split() == ["all", f"{len(calm):,}", "0", "0.0%"]
-        assert Path("none.txt").read_text() == "# hot pixels of a 64x48 sensor\n"
-
-    def test_a_list_for_another_sensor_is_refused(self, source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def test_a_list_for_another_sensor_is_refused(self, source: Path, refused: Refused) -> None:
         save_hot_pixels("hot.txt", [HOT], (346, 260))
-        message = refusal(capsys, source, "--hot-pixels", "hot.txt")
+        message = refused("filter", str(source), "out.npz", "--hot-pixels", "hot.txt")
         assert message == "hot.txt: line 1: is for a 346x260 sensor: must be for 64x48"
 
 
@@ -181,20 +159,11 @@ class TestConfig:
             ("--config absent.toml", "absent.toml: cannot be read: No such file or directory"),
         ],
     )
-    def test_what_is_wrong_is_said_in_one_line(
-        self, source: Path, capsys: pytest.CaptureFixture[str], options: str, message: str
-    ) -> None:
-        assert refusal(capsys, source, *options.split()).startswith(message)
+    def test_what_is_wrong_is_said_in_one_line(self, source: Path, refused: Refused, options: str, message: str) -> None:
+        assert refused("filter", str(source), "out.npz", *options.split()).startswith(message)
 
     @pytest.mark.parametrize("text", ["x", "inf", "nan", "0.0004"])
     def test_milliseconds_that_are_none(self, source: Path, capsys: pytest.CaptureFixture[str], text: str) -> None:
         with pytest.raises(SystemExit, match="2"):
             main(["filter", str(source), "out.npz", "--activity", text])
         assert f"argument --activity: invalid milliseconds value: '{text}'" in capsys.readouterr().err
-
-
-def test_a_recording_is_not_written_over_itself(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    before = source.read_bytes()
-    assert main(["filter", str(source), str(source), "--activity", "5"]) == 2
-    assert capsys.readouterr().err == f"evcot: output {source}: is {source}, an input of the same call: must be another file\n"
-    assert source.read_bytes() == before

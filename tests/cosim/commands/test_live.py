@@ -11,7 +11,6 @@ import socket
 import subprocess
 import sys
 import threading
-import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,8 @@ from evcot_cosim.cli import main
 from evcot_cosim.commands.actions import live as action
 from support.sweeping import until
 
+from ..conftest import Refused
+
 DURATION_US = 400_000
 
 
@@ -39,9 +40,8 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def source(recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def source(recorded: Path, home: Path) -> Path:
     """The same; the working folder is empty."""
-    monkeypatch.chdir(tmp_path)
     return recorded
 
 
@@ -107,19 +107,6 @@ def test_an_interrupt_ends_it_cleanly(source: Path, which: signal.Signals) -> No
     summary = lines(out)[-1]
     assert summary["kind"] == "summary"
     assert len(read_recording("a.raw").events) == len(TrackLog.load_npz("a.npz").owner) == summary["saved"]
-
-
-def test_a_page_is_served_while_it_runs(source: Path) -> None:
-    pytest.importorskip("websockets", reason="websockets is not installed")
-    command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.01", "--web", "0", "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live:
-        assert live.stdout is not None
-        page = json.loads(live.stdout.readline())["page"]
-        assert page.startswith("http://127.0.0.1:")
-        with urllib.request.urlopen(page, timeout=10) as response:
-            assert b"evcot live" in response.read()
-        live.send_signal(signal.SIGINT)
-        live.communicate(timeout=30)
 
 
 def test_an_open_page_may_see_a_file_again_after_its_end(source: Path) -> None:
@@ -192,21 +179,6 @@ def test_hardware_runs_beside_the_engine(source: Path, capsys: pytest.CaptureFix
     assert TrackLog.load_npz("a.npz").engine == "cot_motion"
 
 
-def test_a_killed_run_loses_less_than_the_last_second(source: Path) -> None:
-    command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.1", "--json", "--save", "a.aedat4"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live:
-        assert live.stdout is not None
-        result = json.loads(live.stdout.readline())
-        while result["kind"] == "start" or result["running_s"] < 2:
-            result = json.loads(live.stdout.readline())
-        live.kill()
-        live.wait()
-    saved, whole = read_recording("a.aedat4", damage="skip").events, read_recording(source).events
-    assert np.array_equal(saved.t_us, whole.t_us[: len(saved)])
-    lost_s = result["recording_s"] - (saved.t_us[-1] - saved.t_us[0]) / 1e6
-    assert lost_s < 0.1 * 1.0, "of the recording, which is played ten times as slow"
-
-
 # In a process of its own: taken down, dv-processing's writer may wait for ever.
 DV_SERVER = """
 import sys, time
@@ -257,8 +229,6 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
         ("{source} --save {source}", "an input of the same call: must be another file"),
         ("{source} --save a.csv", "--save a.csv: must end in .aedat4 or .raw"),
         ("{source} --save-log a.csv", "--save-log a.csv: suffix '.csv': must be .npz"),
-        ("{source} --web 99999", "--web 99999: must be from 0 to 65535"),
-        ("{source} --web 0 --bind 0.0.0.0", "--bind 0.0.0.0: must be one address"),
         ("{source} --bind 127.0.0.1", "--bind 127.0.0.1: must be given with --web"),
         ("{source} --loop --save again.raw", "--save: must not be given with --loop"),
         ("tcp://127.0.0.1:9 --loop", "--loop: must not be given with tcp://127.0.0.1:9"),
@@ -271,19 +241,5 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
         ("camera --learn-hot-pixels", "--learn-hot-pixels: must not be given with camera, which is no file"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(
-    source: Path, capsys: pytest.CaptureFixture[str], arguments: str, message: str
-) -> None:
-    assert main(["live", *arguments.format(source=source).split(), "-q"]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert message in printed.err
-
-
-def test_a_port_that_is_taken_is_said_and_nothing_is_left(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        assert main(["live", str(source), "--web", str(port), "-q", "--save-log", "a.npz"]) == 2
-    assert "cannot listen there: Address already in use" in capsys.readouterr().err
-    assert not Path("a.npz").exists()
+def test_what_is_wrong_is_said_in_one_line(source: Path, refused: Refused, arguments: str, message: str) -> None:
+    assert message in refused("live", *arguments.format(source=source).split(), "-q")

@@ -22,6 +22,10 @@ from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.lockstep.run_file import RunFile, Source, write_run_file
 
+from ..conftest import Refused
+
+OUTPUT = {"plot": "a.png", "render": "a.gif"}
+
 
 @pytest.fixture(scope="module")
 def discs() -> Recording:
@@ -30,9 +34,8 @@ def discs() -> Recording:
 
 
 @pytest.fixture
-def folder(discs: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(discs: Recording, home: Path) -> Path:
     """A recording, its log, and what `evcot cosim` leaves of a run."""
-    monkeypatch.chdir(tmp_path)
     write_recording(discs, "discs.npz")
     log = track(discs, PRESETS["plain"])
     log.save_npz("log.npz")
@@ -43,7 +46,7 @@ def folder(discs: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     sensor = {"width": discs.width, "height": discs.height}
     run = RunFile(Source("discs.npz", **sensor), None, digest(discs.events), config)
     write_run_file(Path("run/run.toml"), run)
-    return tmp_path
+    return home
 
 
 def size_of(path: str) -> tuple[int, int]:
@@ -114,21 +117,13 @@ def test_a_film_of_a_run(folder: Path) -> None:
         ("discs.npz log.npz -o a.xyz", "a.xyz: must end in "),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(
-    folder: Path, capsys: pytest.CaptureFixture[str], command: str, arguments: str, message: str
-) -> None:
-    suffix = {"plot": ".png", "render": ".gif"}[command]
-    assert main([command, *(["-o", f"a{suffix}"]), *arguments.split()]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert message in printed.err
-    assert not Path(f"a{suffix}").exists()
+def test_what_is_wrong_is_said_in_one_line(folder: Path, refused: Refused, command: str, arguments: str, message: str) -> None:
+    assert message in refused(command, "-o", OUTPUT[command], *arguments.split())
 
 
 @pytest.mark.parametrize("command", ["plot", "render"])
-def test_a_log_of_another_recording_is_refused(folder: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
-    log, output = TrackLog.load_npz("log.npz"), {"plot": "a.png", "render": "a.gif"}[command]
+def test_a_log_of_another_recording_is_refused(folder: Path, refused: Refused, command: str) -> None:
+    log = TrackLog.load_npz("log.npz")
     write_recording(simulate_scene("discs", 6, {"duration_us": 300_000}).recording, "other.npz")
     TrackLog(log.engine, log.records, log.owner[:-1]).save_npz("run/hardware.npz", force=True)
     replace(log, recording="0123456789abcdef").save_npz("marked.npz")
@@ -138,9 +133,7 @@ def test_a_log_of_another_recording_is_refused(folder: Path, capsys: pytest.Capt
         ("discs.npz log.npz marked.npz", "marked.npz: does not belong to discs.npz: recording = '0123456789abcdef': "),
         ("run software hardware", f"run/hardware.npz: does not belong to {folder}/discs.npz: owner has "),
     ):
-        assert main([command, *arguments.split(), "-o", output]) == 2
-        assert capsys.readouterr().err.startswith(f"evcot: {message}")
-        assert not Path(output).exists()
+        assert refused(command, *arguments.split(), "-o", OUTPUT[command]).startswith(message)
 
 
 def test_a_log_may_be_of_the_part_alone(folder: Path, discs: Recording) -> None:
@@ -150,7 +143,6 @@ def test_a_log_may_be_of_the_part_alone(folder: Path, discs: Recording) -> None:
     assert main(["plot", "discs.npz", "part.npz", "--from", "100", "--to", "201", "-o", "b.png"]) == 2
 
 
-def test_a_run_whose_recording_has_changed_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_whose_recording_has_changed_is_refused(folder: Path, refused: Refused) -> None:
     write_recording(simulate_scene("discs", 6, {"duration_us": 100_000}).recording, "discs.npz", force=True)
-    assert main(["plot", "run", "-o", "a.png"]) == 2
-    assert "which has changed since" in capsys.readouterr().err
+    assert "which has changed since" in refused("plot", "run", "-o", "a.png")

@@ -140,8 +140,8 @@ def test_a_tracker_that_does_not_work_ends_the_command_in_one_line(
     assert ran.stderr.startswith(f"evcot: engine mine of package my-tracker: my_tracker:MyTracker: {message}")
     assert ran.stderr.count("\n") == 1
     assert not (folder / "wrong.npz").exists()
-    assert evcot_command("track drive.aedat4 --engine frames -q", tmp_path, folder).returncode == 0
     if "cannot be loaded" in message:
+        assert evcot_command("track drive.aedat4 --engine frames -q", tmp_path, folder).returncode == 0
         for words in (
             "sweep sweep.toml --dry-run",
             "presets --engine mine",

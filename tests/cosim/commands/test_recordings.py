@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot info` and `evcot convert` as a user meets them."""
+"""`evcot info`, `evcot convert` and `evcot simulate` as a user meets them."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from PIL import Image
 
 from evcot.events import Events
 from evcot.recordings.files import read_recording, write_events
 from evcot.recordings.formats import WRITABLE
+from evcot.scenes import SCENES, Truth, simulate_scene
 from evcot_cosim.cli import main
 
+from ..conftest import Refused
+
 Capture = pytest.CaptureFixture[str]
+pytestmark = pytest.mark.usefixtures("home")
 EPOCH_US = 1_718_925_184_590_631
-
-
-@pytest.fixture(autouse=True)
-def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 @pytest.fixture
@@ -45,18 +44,6 @@ def drive() -> Path:
 def csv(name: str, *rows: str) -> str:
     Path(name).write_text("".join(f"{row}\n" for row in rows))
     return name
-
-
-def error_of(capture: Capture, *arguments: str) -> str:
-    """The one line that a command which cannot be done prints, after exit code 2."""
-    before = sorted(Path().iterdir())
-    assert main(arguments) == 2
-    printed = capture.readouterr()
-    assert printed.out == ""
-    assert printed.err.startswith("evcot: ")
-    assert printed.err.count("\n") == 1
-    assert sorted(Path().iterdir()) == before
-    return printed.err.removeprefix("evcot: ").rstrip()
 
 
 def table(capture: Capture, *arguments: str) -> dict[str, str]:
@@ -122,12 +109,12 @@ def test_info_as_json(drive: Path, capsys: Capture) -> None:
     assert found["pixels"]["busiest"][0]["share"] > 0.5
 
 
-def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
+def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture, refused: Refused) -> None:
     csv("a.csv", "20001,1,1,1", "20002,1,1,7", "0,1,1,1", "20003,2,1,0", "oh")
     why = "line 5: 'oh': must have 4 cells, as the first event; it has 1"
-    assert error_of(capsys, "info", "a.csv") == f"a.csv: {why} (--skip-damaged reads what can be read)"
+    assert refused("info", "a.csv") == f"a.csv: {why} (--skip-damaged reads what can be read)"
     csv("none.csv", "oh")  # nothing to be read: no advice
-    assert "--skip-damaged" not in error_of(capsys, "info", "none.csv")
+    assert "--skip-damaged" not in refused("info", "none.csv")
     for _ in range(2):  # and again, if done again
         assert main(["info", "a.csv", "--skip-damaged"]) == 0
         printed = capsys.readouterr()
@@ -145,11 +132,11 @@ def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
     assert read_recording("b.npz").events.t_us.tolist() == [20_001, 20_003]
 
 
-def test_a_camera_file_that_was_cut_off_is_rescued(drive: Path, capsys: Capture) -> None:
+def test_a_camera_file_that_was_cut_off_is_rescued(drive: Path, refused: Refused) -> None:
     assert main(["convert", "drive.npz", "drive.aedat4", "-q"]) == 0
     content = Path("drive.aedat4").read_bytes()
     Path("cut.aedat4").write_bytes(content[: len(content) // 2])
-    assert error_of(capsys, "info", "cut.aedat4").endswith("is it cut off or damaged? (--skip-damaged reads what can be read)")
+    assert refused("info", "cut.aedat4").endswith("is it cut off or damaged? (--skip-damaged reads what can be read)")
     assert main(["convert", "cut.aedat4", "rescued.npz", "--skip-damaged", "-q"]) == 0
     rescued, whole = read_recording("rescued.npz").events, read_recording("drive.npz").events
     assert 30_000 < len(rescued) < len(whole)
@@ -200,23 +187,14 @@ def test_convert_of_a_window_goes_by_the_suffix_and_may_be_quiet(drive: Path, ca
         (("info", "drive.npz", "--sensor", "5x5"), "drive.npz: event 0: x = 5: must be below the sensor's 5"),
         (("convert", "drive.npz", "out.jpeg"), "out.jpeg: suffix '.jpeg': must be one of .npz, "),
         (("convert", "drive.npz", "out", "--format", "gif"), "format 'gif': must be one of npz, csv"),
-        (
-            ("convert", "drive.npz", "drive.npz"),
-            "output drive.npz: is drive.npz, an input of the same call: must be another file",
-        ),
-        (
-            ("convert", "drive.npz", "link.npz"),
-            "output link.npz: is drive.npz, an input of the same call: must be another file",
-        ),
         (("convert", "drive.npz", "out.csv", "--from", "20000"), "drive.npz: holds no events from 20 s"),
         (("convert", "drive.npz", "absent/out.csv"), "output absent/out.csv: cannot be written: No such file or directory"),
         (("convert", "bad.csv", "out.npz"), "bad.csv: event 1: t = 1 us follows t = 20002 us: time must not run back"),
     ],
 )
-def test_what_cannot_be_done_is_one_line(drive: Path, arguments: tuple[str, ...], message: str, capsys: Capture) -> None:
-    Path("link.npz").symlink_to("drive.npz")
+def test_what_cannot_be_done_is_one_line(drive: Path, arguments: tuple[str, ...], message: str, refused: Refused) -> None:
     csv("bad.csv", "20002,1,1,1", "1,1,1,1")
-    assert error_of(capsys, *arguments).startswith(message)
+    assert refused(*arguments).startswith(message)
 
 
 def test_a_dash_is_standard_input_and_output(drive: Path) -> None:
@@ -340,10 +318,10 @@ def test_an_input_is_never_the_output_of_another(capsys: Capture) -> None:
     ],
 )
 def test_outputs_that_cannot_be_are_refused_before_any_is_written(
-    arguments: tuple[str, ...], message: str, capsys: Capture
+    arguments: tuple[str, ...], message: str, refused: Refused
 ) -> None:
     several("a.npz", "b.npz", "c.npz", "in/a.npz", "in/A.npz")
-    assert error_of(capsys, "convert", *arguments).startswith(message)
+    assert refused("convert", *arguments).startswith(message)
 
 
 def test_a_folder_into_which_nothing_was_written_is_not_left(capsys: Capture) -> None:
@@ -351,3 +329,82 @@ def test_a_folder_into_which_nothing_was_written_is_not_left(capsys: Capture) ->
     assert main(["convert", "absent.npz", "missing.npz", "out", "--format", "csv"]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 2
     assert not Path("out").exists()
+
+
+@pytest.mark.parametrize("suffix", ["npz", "csv", "raw"])
+def test_a_scene_is_written_in_the_format_of_the_suffix_with_its_truth_beside(
+    suffix: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["simulate", "discs", "-o", f"d.{suffix}", "--seed", "7", "--duration", "0.05", "--set", "count=2"]) == 0
+    expected = simulate_scene("discs", 7, {"duration_us": 50_000, "count": 2})
+    events = read_recording(f"d.{suffix}", (346, 260)).events
+    wanted = expected.recording.events
+    assert capsys.readouterr().out == f"{len(wanted):,} events, 346x260 pixels, in d.{suffix}; the truth in d.truth.csv\n"
+    for field in ("t_us", "x", "y", "p"):
+        np.testing.assert_array_equal(getattr(events, field), getattr(wanted, field))
+    np.testing.assert_allclose(Truth.load("d.truth.csv").samples["x"], expected.truth.samples["x"], atol=1e-3)
+    assert sorted(path.name for path in Path.cwd().iterdir()) == [f"d.{suffix}", "d.truth.csv"]
+
+
+def test_size_seed_and_place_of_the_truth_can_be_chosen_and_the_report_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["boxes", "-o", "b.npz", "--sensor", "128x96", "--duration", "0.1", "--truth", "t.csv", "--set", "jitter_us=0"]
+    assert main(["simulate", *arguments, "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert {key: report[key] for key in ("recording", "truth", "scene", "width", "height")} == {
+        "recording": "b.npz", "truth": "t.csv", "scene": "boxes", "width": 128, "height": 96,
+    }  # fmt: skip
+    assert report["events"] == len(read_recording("b.npz").events)
+    assert (report["settings"]["jitter_us"], report["settings"]["duration_us"]) == (0, 100_000)
+    assert len(Truth.load("t.csv").samples) == 9 * 100
+
+
+def test_the_scenes_and_a_scenes_settings_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["simulate", "--list"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(SCENES)
+    assert main(["simulate", "--list", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {name: kind.title for name, kind in SCENES.items()}
+    assert main(["simulate", "discs", "--list"]) == 0
+    assert "noise_hz = 0.1" in capsys.readouterr().out.splitlines()
+    assert main(["simulate", "discs", "--list", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["ways"] == "crossing"
+
+
+def test_images_become_a_recording_without_truth(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("film").mkdir()
+    for i, grey in enumerate((10, 200, 10)):
+        Image.new("L", (8, 6), grey).save(f"film/{i}.png")
+    assert main(["simulate", "film", "-o", "f.npz", "--set", "fps=100", "--set", "shrink=2", "--set", "on_threshold=0.5"]) == 0
+    recording = read_recording("f.npz")
+    assert (recording.width, recording.height) == (4, 3)
+    assert 0 < len(recording.events) < 4 * 3 * 40
+    assert capsys.readouterr().out == f"{len(recording.events)} events, 4x3 pixels, in f.npz\n"
+    assert not Path("f.truth.csv").exists()
+
+
+SCENE_NAMES = f"must be one of {', '.join(SCENES)}, a video file or a folder of images"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("", f"SCENE: {SCENE_NAMES}"),
+        ("discs", "-o FILE: must say where the recording goes"),
+        ("disc -o d.npz", f"SCENE 'disc': {SCENE_NAMES}; did you mean discs?"),
+        ("discs -o d.gif", "d.gif: suffix '.gif': must be one of "),
+        ("discs -o no/d.npz", "-o no/d.npz: cannot be written: No such file or directory"),
+        ("discs -o no/d.npz --truth t.csv", "-o no/d.npz: cannot be written: No such file or directory"),
+        ("discs -o d.csv --truth d.csv", "--truth d.csv: is also -o: must be another file"),
+        ("discs -o d.npz --sensor big", "--sensor big: must be WIDTHxHEIGHT in pixels, as 346x260"),
+        ("discs -o d.npz --sensor 9x9", "discs.width = 9: must be from 64 to 4096"),
+        ("discs -o d.npz --duration nan", "--duration nan: must be more than 0 seconds"),
+        ("discs -o d.npz --set count", "--set count: must be KEY=VALUE; `evcot simulate discs --list` shows the keys"),
+        ("discs -o d.npz --set n=2", "discs.n: no such setting: must be one of width"),
+        ("discs -o d.npz --seed -1", "discs.seed = -1: must be from 0"),
+        ("empty -o d.npz", "empty: holds no images: must hold files named *.png"),
+        ("empty -o d.npz --sensor 64x64", "--sensor: must not be given for footage"),
+        ("empty -o d.npz --set x=1", "footage.x: no such setting: must be one of fps"),
+    ],
+)
+def test_what_a_user_can_mend_ends_in_one_line_with_nothing_written(arguments: str, message: str, refused: Refused) -> None:
+    Path("empty").mkdir()
+    assert refused("simulate", *arguments.split()).startswith(message)

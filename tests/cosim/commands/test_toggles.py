@@ -9,16 +9,12 @@ from pathlib import Path
 
 import pytest
 
-import evcot_cosim.rtl.build
 from evcot_cosim.cli import main
 
+from ..conftest import Refused
+
 Capture = pytest.CaptureFixture[str]
-
-
-@pytest.fixture(autouse=True)
-def inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("home")
 
 
 def test_array_and_chain_on_the_same_events_and_the_arrays_saif(capsys: Capture) -> None:
@@ -63,16 +59,13 @@ def test_memories_too_large_for_a_waveform_are_named(capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--beside", "cot_array"], "evcot: --beside cot_array: must be another module than --hardware\n"),
-        (["--from", "5", "--to", "4"], "evcot: --to 4: must be after --from 5\n"),
-        (["--to", "2000"], "evcot: --from 0 --to 2000: 3[0-9,]+ events: must be at most 200,000\n"),
-        (["--saif", "there.saif"], "evcot: --saif there.saif: exists: "),
+        (["--beside", "cot_array"], "--beside cot_array: must be another module than --hardware"),
+        (["--from", "5", "--to", "4"], "--to 4: must be after --from 5"),
+        (["--to", "2000"], "--from 0 --to 2000: 3[0-9,]+ events: must be at most 200,000"),
+        (["--saif", "there.saif"], "--saif there.saif: exists: "),
     ],
 )
-def test_what_cannot_be_counted_is_refused_in_one_line(words: list[str], message: str, capsys: Capture) -> None:
+def test_what_cannot_be_counted_is_refused_in_one_line(words: list[str], message: str, refused: Refused) -> None:
     Path("there.saif").write_text("mine")
-    assert main(["toggles", "boxes", "--hardware", "cot_array", *words]) == 2
-    told = capsys.readouterr()
-    assert re.match(message, told.err), told.err
-    assert (told.out, told.err.count("\n")) == ("", 1)
+    assert re.match(message, refused("toggles", "boxes", "--hardware", "cot_array", *words))
     assert Path("there.saif").read_text() == "mine"
