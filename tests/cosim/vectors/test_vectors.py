@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import evcot
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
@@ -206,10 +205,3 @@ def test_what_has_no_vectors_is_refused() -> None:
     gap = Events(np.array([0, 3 << 30]), *(np.zeros(2, kind) for kind in (np.uint16, np.uint16, np.uint8)))
     with pytest.raises(RecordingError, match=r"^gap: event 1: a gap of 3221225472 us: must be at most 2147483648 for vectors"):
         Vectors.of(Recording(gap, 128, 64, "gap"), MOTION)
-
-
-def test_the_public_name_is_the_class() -> None:
-    recording = evcot.simulate("discs", 3, duration_us=5_000).recording
-    vectors = Vectors.of(recording, evcot.run_config(recording.width, recording.height))
-    assert vectors.parameters["N"] == 16
-    assert vectors.accesses[-1].after == len(vectors.events) == len(recording.events)
