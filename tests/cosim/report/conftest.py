@@ -36,6 +36,12 @@ def summary_of(name: str = "boxes", **more: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def mismatch_at(event_index: int, **more: Any) -> dict[str, Any]:
+    """The same of a run that ended there: its owner differed, or what is given."""
+    found = {"tick": 9, "field": "owner", "hardware": 1, "model": 2, "seed": 7, "config": {"module": "cot_array"}}
+    return summary_of(exact=False, mismatch={"event_index": event_index, **found, **more})
+
+
 def material_of(duration_us: int, **more: Any) -> Material:
     """The box experiment so long, through the golden model and the software tracker."""
     scene = simulate_scene("boxes", 1, {"duration_us": duration_us})

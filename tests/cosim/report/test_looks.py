@@ -19,7 +19,7 @@ from PIL import Image
 
 from evcot_cosim.report import Material, Side, write_report
 
-from .conftest import Opened, summary_of
+from .conftest import Opened, mismatch_at
 
 BASELINE = Path(__file__).with_name("baseline")
 CELL = 20  # pixels of the screen to one that is compared
@@ -76,18 +76,9 @@ STATES = {
 @pytest.fixture(scope="module")
 def pages(report: Path, material: Material, tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
     """The report of a run, and of one that a mismatch ended."""
-    found = {
-        "event_index": 60_000,
-        "tick": 9,
-        "field": "owner",
-        "hardware": 1,
-        "model": 2,
-        "seed": 7,
-        "config": {"module": "cot_array"},
-    }
     path = tmp_path_factory.mktemp("mismatch") / "report.html"
     sides = (material.sides[0], Side("model", material.sides[0].log))
-    write_report(Material(material.recording, summary_of(exact=False, mismatch=found), sides, material.truth), path)
+    write_report(Material(material.recording, mismatch_at(60_000), sides, material.truth), path)
     return {False: report, True: path}
 
 

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The HTML file: complete, bounded in size, and safe against markup in names."""
+"""The HTML file: complete, bounded in size, and safe against markup in names; the facts that it shows; pages of a long run."""
 
 from __future__ import annotations
 
 import gc
+import itertools
 import json
+import os
 import re
+import subprocess
+import sys
 import weakref
 from dataclasses import replace
 from pathlib import Path
@@ -14,14 +18,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from evcot.errors import ConfigError, OutputError
+from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.tracks.log import DROPPED, TrackLog
+from evcot_cosim.lockstep.verdict import Grade, Line, Verdict
 from evcot_cosim.report import Material, Side, page, write_report
+from evcot_cosim.report.facts import METRICS, checks_of, headline, latency_bars, score_rows
 from evcot_cosim.report.heat_maps import heat_maps
 from evcot_cosim.report.material import Material as Made
 
-from .conftest import summary_of
+from .conftest import mismatch_at, summary_of
 
 HOSTILE = '</script><script>alert(1)</script><img src=x onerror="alert(2)">'
 
@@ -152,21 +158,14 @@ def test_maps_of_filtered_events_say_whose_filters(material: Made) -> None:
 
 
 def test_a_mismatch_comes_first(material: Made) -> None:
-    found = {
-        "event_index": 50,
-        "tick": 4_321,
-        "field": "record.cm_x",
-        "hardware": 7,
-        "model": 8,
-        "seed": 9,
-        "config": {"module": "cot_array"},
-    }
     n = 1_000
     sides = tuple(
         Side(name, TrackLog(engine, material.sides[0].log.records[:5], material.sides[0].log.owner[:n]))
         for name, engine in (("hardware", "cot_array"), ("model", "cot_array"))
     )
-    text = page.render(Material(material.recording, summary_of(exact=False, mismatch=found), sides))
+    text = page.render(
+        Material(material.recording, mismatch_at(50, tick=4_321, field="record.cm_x", hardware=7, model=8), sides)
+    )
     assert '<strong class="poor">Hardware ≠ model</strong>' in text
     assert re.findall(r'role="tab" id="tab-(\w+)"', text)[0] == "mismatch"
     for words in ("4,321", "record.cm_x", "gtkwave mismatch.vcd", f"The run ended after {n:,} of"):
@@ -183,12 +182,6 @@ def test_logs_of_another_recording_are_refused(material: Made) -> None:
         Material(empty(), {}, material.sides)
 
 
-def test_a_report_that_cannot_be_written_leaves_nothing(material: Made, tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="cannot be written"):
-        write_report(Material(empty(), {}, ()), tmp_path / "missing" / "report.html")
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_page_that_is_written_leaves_nothing_in_memory(material: Made, tmp_path: Path) -> None:
     shown = replace(material)
     alive = weakref.ref(shown)
@@ -199,3 +192,107 @@ def test_a_page_that_is_written_leaves_nothing_in_memory(material: Made, tmp_pat
         assert alive() is None
     finally:
         gc.enable()
+
+
+# Two pages, and the names of the functions of this process that Numba compiled for them.
+_PAGES = """
+import sys
+from pathlib import Path
+import numpy as np
+from numba.core import event
+from evcot.events import Events
+from evcot.tracks.log import TRACK
+from evcot_cosim.report import part_pages
+
+class Compiled(event.Listener):
+    def on_start(self, event): pass
+    def on_end(self, event):  # of a compilation that was refused, too
+        if event.data["dispatcher"].signatures: print(event.data["dispatcher"].py_func.__name__)
+event.register("numba:compile", Compiled())
+
+part_pages.PART_EVENTS = 100
+count = 150
+columns = (np.zeros(count, kind) for kind in (np.uint16, np.uint16, np.uint8))
+blocks = iter([Events(np.arange(count, dtype=np.int64), *columns)])
+recording = part_pages.LongRecording("made", (64, 64), blocks, count, 0, count - 1)
+log = part_pages.LongLog("cot_array", iter([(np.empty(0, TRACK), np.full(count, -1, np.int16))]))
+part_pages.write_parts(recording, {"hardware": log}, Path(sys.argv[1]), {})
+"""
+
+
+def test_kernels_of_the_pages_are_compiled_by_another_process(tmp_path: Path) -> None:
+    kernels = tmp_path / "kernels"
+    kernels.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", _PAGES, str(tmp_path)], env=os.environ | {"NUMBA_CACHE_DIR": str(kernels)},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert sorted(path.name for path in tmp_path.glob("part-*.html")) == ["part-00000.html", "part-00001.html"]
+    assert done.stdout.split() == []
+    assert list(kernels.rglob("*.nbc")) != []
+
+
+def bars_of(histogram: list[tuple[int, int]]) -> list[tuple[str, int, float]]:
+    return [tuple(bar) for bar in latency_bars({"latency_clocks": {"histogram": histogram}})]
+
+
+def test_few_latencies_have_a_bar_each() -> None:
+    assert bars_of([(3, 10), (4, 5), (9, 5)]) == [("3", 10, 0.5), ("4", 5, 0.75), ("9", 5, 1.0)]
+
+
+def test_many_latencies_have_bars_that_widen() -> None:
+    bars = bars_of([(clocks, 1) for clocks in range(1, 1_001)])
+    assert len(bars) <= 16
+    assert sum(count for _, count, _ in bars) == 1_000
+    assert bars[0][0] == "1"
+    assert bars[-1][0].endswith("1000")
+    assert [share for *_, share in bars] == sorted(share for *_, share in bars)
+    ends = [tuple(map(int, text.split("–"))) for text, *_ in bars]
+    assert all(b[0] == a[-1] + 1 for a, b in itertools.pairwise(ends)), "without gaps"
+
+
+def test_what_was_not_measured_has_no_bars() -> None:
+    assert latency_bars({}) == []
+    assert latency_bars({"latency_clocks": {"histogram": []}}) == []
+
+
+def scores(**values: float | None) -> dict[str, Any]:
+    return {metric.name: None for metric in METRICS} | values
+
+
+def test_the_best_score_is_the_one_that_looks_best() -> None:
+    rows = {row.metric.name: row for row in score_rows([scores(hota=0.8004, idsw=3, ml=1), scores(hota=0.8001, idsw=2, ml=1)])}
+    assert set(rows) == {"hota", "idsw", "ml"}, "what no side has is left out"
+    assert rows["hota"].best == [False, False], "after rounding they are the same"
+    assert rows["idsw"].best == [False, True], "fewer switches are better"
+    assert rows["ml"].best == [False, False]
+    (row,) = score_rows([scores(hota=0.7), scores(hota=None), scores(hota=0.75)])
+    assert (row.texts, row.best) == (["0.700", "–", "0.750"], [False, False, True])
+
+
+LINES = (
+    Line("exactness", "", Grade.GOOD, "exact"), Line("tracks", "software", Grade.POOR, "poor"),
+    Line("tracks", "hardware", Grade.FAIR, "fair"), Line("noise", "hardware", Grade.GOOD, "none"),
+)  # fmt: skip
+
+
+def test_a_check_is_graded_by_the_side_that_decides() -> None:
+    found = checks_of(Verdict(Grade.FAIR, "", LINES), "hardware")
+    assert [(check.name, check.grade, len(check.lines)) for check in found] == [
+        ("exact", "good", 1), ("tracks", "fair", 2), ("noise", "good", 1),
+    ]  # fmt: skip
+    assert [line.side for line in found[1].lines] == ["hardware", "software"]
+
+
+@pytest.mark.parametrize(
+    ("summary", "lines", "tracked", "words"),
+    [
+        ({"mismatch": {}}, LINES, True, "Hardware ≠ model"),
+        ({"exact": False}, LINES, True, "Hardware ≠ model"),
+        ({}, (Line("length", "", Grade.FAIR, "short"),), True, "Too short to judge"),
+        ({}, LINES, False, "Nothing was tracked"),
+        ({}, LINES, True, "Tracks are usable"),
+    ],
+)
+def test_the_headline_is_a_few_words(summary: dict[str, Any], lines: tuple[Line, ...], tracked: bool, words: str) -> None:
+    assert headline(Verdict(Grade.FAIR, "", lines), summary, tracked) == words
