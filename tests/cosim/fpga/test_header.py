@@ -92,26 +92,16 @@ def test_every_module_can_be_read() -> None:
         ("module taker (a); input a; endmodule", "module taker: its ports are not declared in the parentheses behind its name"),
         ("module taker #(parameter A) (input a); endmodule", "parameter A: has no default"),
         ("module other (input a); endmodule", "no module taker"),
-    ],
-)
-def test_another_style_is_refused_with_its_place(tmp_path: Path, source: str, complaint: str) -> None:
-    with pytest.raises(ConfigError) as told:
-        header_of(tmp_path, source)
-    assert str(told.value) == f"{tmp_path / 'taker.v'}: {complaint}"
-
-
-@pytest.mark.parametrize(
-    ("source", "complaint"),
-    [
+        # What is no Verilog.
         ("module taker (input a;\nendmodule", "1:22: error: expected ')'"),
         ("\nmodule taker (input [`NONE:0] a); endmodule", "2:22: error: unknown macro or compiler directive '`NONE'"),
         ('`include "none.vh"\nmodule taker (input a); endmodule', "1:10: error: 'none.vh': No such file or directory"),
     ],
 )
-def test_what_is_not_verilog_is_refused_with_its_place(tmp_path: Path, source: str, complaint: str) -> None:
+def test_another_style_is_refused_with_its_place(tmp_path: Path, source: str, complaint: str) -> None:
     with pytest.raises(ConfigError) as told:
         header_of(tmp_path, source)
-    assert str(told.value) == f"{tmp_path / 'taker.v'}:{complaint}"
+    assert str(told.value).removeprefix(f"{tmp_path / 'taker.v'}:").lstrip() == complaint
 
 
 def test_a_module_that_is_not_there_is_named(tmp_path: Path) -> None:
@@ -144,16 +134,13 @@ def test_a_module_comes_with_all_below_it_and_after_them() -> None:
     assert closure(["cot"]) == ["parameter_check", "cot_window", "cot_regs", "cot_axis", "cot"]
     assert closure(["filter_region"])[-1] == "filter_region"
     assert closure(modules()) == modules()
+    with pytest.raises(ConfigError, match=r"^module cto: not in manifest.txt, which has parameter_check, "):
+        closure(["cto"])
 
 
 def test_a_module_that_is_only_spoken_of_does_not_come() -> None:
     assert "multiplier" in rtl_files()["weighted_mean.v"].read_text()
     assert "multiplier" not in closure(["weighted_mean"])
-
-
-def test_an_unknown_module_is_named() -> None:
-    with pytest.raises(ConfigError, match=r"^module cto: not in manifest.txt, which has parameter_check, "):
-        closure(["cto"])
 
 
 def test_comments_go_and_strings_stay() -> None:
