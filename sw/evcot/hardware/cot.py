@@ -54,6 +54,7 @@ class CotModel(GoldenModel):
         owner: NDArray[np.int16],
         rel_x: NDArray[np.uint16],
         rel_y: NDArray[np.uint16],
+        visible: NDArray[np.bool_],
     ) -> NDArray[np.void]:
         n, keep = len(events), _ALL if keep is None else keep
         per_event_max = 3 * self.config.shape.n_slots

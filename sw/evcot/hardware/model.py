@@ -27,12 +27,14 @@ class Decisions(NamedTuple):
             filter dropped it.
         rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), of cot_motion half pixels from the
             middle of its owner's box, modulo 2^shape.rel_w; 0 without an owner.
+        visible: (n,) bool, of cot_motion: whether a visible slot owns the event. None: not known, from compiled hardware.
     """
 
     records: NDArray[np.void]
     owner: NDArray[np.int16]
     rel_x: NDArray[np.uint16]
     rel_y: NDArray[np.uint16]
+    visible: NDArray[np.bool_] | None = None
 
 
 class GoldenModel(ABC):
@@ -58,9 +60,9 @@ class GoldenModel(ABC):
             keep = self._filters.feed(events)
         n = len(events)
         owner = np.full(n, DROPPED, np.int16)
-        rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)
-        records = self._decide(events, None if keep is None else events.mask(keep), owner, rel_x, rel_y)
-        return Decisions(records, owner, rel_x, rel_y)
+        rel_x, rel_y, visible = np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.zeros(n, np.bool_)
+        records = self._decide(events, None if keep is None else events.mask(keep), owner, rel_x, rel_y, visible)
+        return Decisions(records, owner, rel_x, rel_y, visible)
 
     @abstractmethod
     def _decide(
@@ -70,8 +72,9 @@ class GoldenModel(ABC):
         owner: NDArray[np.int16],
         rel_x: NDArray[np.uint16],
         rel_y: NDArray[np.uint16],
+        visible: NDArray[np.bool_],
     ) -> NDArray[np.void]:
-        """Fill in what is decided on each event, and return the records. `owner` holds `DROPPED`, `rel_x` and `rel_y` zeros."""
+        """Fill in what is decided on each event, and return the records. `owner` holds `DROPPED`, the other arrays zeros."""
 
     @property
     @abstractmethod

@@ -393,12 +393,14 @@ def _correct(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, in_b
 @njit(cache=True, nogil=True)
 def feed(
     s: Table, r: Table, lim: Table, glob: Table, modes: Table, places: Table,
-    ticks: Table, xs: Table, ys: Table, kept: Table, done: int, owner: Table, rel_x: Table, rel_y: Table, out: Table,
+    ticks: Table, xs: Table, ys: Table, kept: Table, done: int,
+    owner: Table, rel_x: Table, rel_y: Table, visible: Table, out: Table,
 ) -> tuple[int, int]:  # fmt: skip
     """Process a run of events, of which `done` are done, to its end or until `out` could overflow.
 
     `kept` are the numbers of those events that no filter took out, in order; the others only advance time and the event count.
-    `owner`, `rel_x` and `rel_y` are filled in for events that are kept; the last two hold zeros, which stay without an owner.
+    `owner`, `rel_x`, `rel_y` and `visible` are filled in for events that are kept; the last three hold zeros, which stay where
+    there is no owner.
 
     Returns:
         Events done and records written.
@@ -428,6 +430,7 @@ def feed(
             owner[e] = i
             rel_x[e] = (2 * x - s[i, EV_BOX_LO_X] - s[i, EV_BOX_HI_X]) & lim[REL_MASK]
             rel_y[e] = (2 * y - s[i, EV_BOX_LO_Y] - s[i, EV_BOX_HI_Y]) & lim[REL_MASK]
+            visible[e] = s[i, EV_STATE] == VISIBLE
             if _take(s, r, lim, i, x, y, shared, in_burst):
                 n = _correct(s, r, lim, glob, i, now, in_burst, out, n)
         elif i >= 0 and glob[SEEDING] < 0:

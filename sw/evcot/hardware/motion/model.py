@@ -51,6 +51,7 @@ class MotionModel(GoldenModel):
         owner: NDArray[np.int16],
         rel_x: NDArray[np.uint16],
         rel_y: NDArray[np.uint16],
+        visible: NDArray[np.bool_],
     ) -> NDArray[np.void]:
         kept = np.arange(len(events)) if keep is None else np.flatnonzero(keep)
         done = 0
@@ -58,7 +59,8 @@ class MotionModel(GoldenModel):
         while done < len(events):
             done, count = feed(
                 self._state, self._registers, self._limits, self._globals, self._modes, self._places,
-                events.ticks, events.x, events.y, kept, done, owner, rel_x, rel_y, self._buffer,
+                events.ticks, events.x, events.y, kept, done, owner, rel_x, rel_y, visible,
+                self._buffer,
             )  # fmt: skip
             parts.append(self._buffer[:count].copy())
         return np.concatenate(parts) if parts else np.zeros(0, MOTION_RECORD)
