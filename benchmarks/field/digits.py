@@ -11,7 +11,7 @@ they were transparent.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -25,7 +25,7 @@ from field.paths import Bouncing
 from field.transforms import merged, poisson_noise
 from shared import SHARED
 
-__all__ = ["SOURCE", "digits", "entries"]
+__all__ = ["SOURCE", "digit_labels", "digits", "entries"]
 
 SOURCE = "N-MNIST"
 _FILE = "nmnist_800.npz"
@@ -49,10 +49,11 @@ def _builder(ways: str, count: int, seed: tuple[int, ...]) -> Callable[[], Membe
     return lambda: digits(ways, count, seed)
 
 
-def digits(ways: str, count: int, seed: tuple[int, ...]) -> Member:
-    """So many digits, "apart" or "crossing"."""
+def digits(ways: str, count: int, seed: tuple[int, ...], numbers: Sequence[int] | None = None) -> Member:
+    """So many digits, "apart" or "crossing"; of these samples, or else of random ones."""
     random = np.random.default_rng((*seed, count))
-    samples = [_sample(int(number)) for number in random.choice(800, count, replace=False)]
+    chosen = random.choice(800, count, replace=False) if numbers is None else numbers
+    samples = [_sample(int(number)) for number in chosen]
     swept = [_extent(np.stack((one.x, one.y))) for one in samples]
     still = [_extent(np.stack((one.x, one.y)) - _loop(one.t_us)) for one in samples]
     paths = Bouncing(
@@ -89,6 +90,11 @@ def _samples() -> dict[str, NDArray[Any]]:
         raise Absent(f"{_FILE} is not in {SHARED}")
     with np.load(path) as samples:
         return dict(samples)
+
+
+def digit_labels() -> NDArray[np.int64]:
+    """The digit of each sample, (800,)."""
+    return np.asarray(_samples()["label"], np.int64)
 
 
 def _sample(number: int) -> Events:

@@ -12,6 +12,7 @@ from ..tracks.log import TRACK, Kind, TrackLog
 from ..tracks.tracking import TrackerOutput, log_of
 from .config import CotConfig, HardwareConfig, MotionConfig
 from .cot import CotModel
+from .model import Decisions
 from .motion.contract import SUB
 from .motion.model import MotionModel
 
@@ -89,11 +90,16 @@ class GoldenTracker:
 
     def feed(self, events: Events) -> TrackerOutput:
         """See `tracking.Tracker`."""
+        records, decided = self.decide(events)
+        return records, decided.owner
+
+    def decide(self, events: Events) -> tuple[NDArray[np.void], Decisions]:
+        """As `feed`: the records, (m,) of dtype `TRACK`, and all that the model decided on each event."""
         ticked = self._clock.count(events)
         decided = self._model.feed(ticked)
         records = to_track_records(decided.records, self._config, events.t_us, self._seen, self._clock.t0_us)
         self._seen += len(events)
-        return records, decided.owner
+        return records, decided
 
     def finish(self) -> NDArray[np.void]:
         """Returns no records: time does not advance after the last event."""

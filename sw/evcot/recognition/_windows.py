@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from .._numba_private import njit, step
@@ -28,6 +29,12 @@ _LOWEST, _HIGHEST = -_HALF << 8, (_HALF << 8) - 1  # of a normalised address, 2^
 @step
 def _clamp(value: int, low: int, high: int) -> int:
     return min(max(value, low), high)
+
+
+@step
+def _signed(value: Any, half: int) -> Any:
+    """An address of so many bits that its highest has the weight -`half`."""
+    return ((np.int64(value) + half) & (2 * half - 1)) - half
 
 
 @step
@@ -60,7 +67,7 @@ def _fit(s: Table, cells: Table, i: int, window_log2: int) -> None:
     """Rules F1 and F2: the next window's normalisation follows the moments of this one's image."""
     total = sum_u = sum_v = spread_u = spread_v = skewed = 0
     for cell in range(CELLS * CELLS):
-        count = int(cells[i, cell])
+        count: Any = np.int64(cells[i, cell])  # signed: products with unsigned numbers would be floats
         u = 2 * (cell % CELLS) - CELLS + 1
         v = 2 * (cell // CELLS) - CELLS + 1
         total += count
@@ -68,7 +75,7 @@ def _fit(s: Table, cells: Table, i: int, window_log2: int) -> None:
         sum_v += count * v
         spread_u += count * abs(u)
         spread_v += count * abs(v)
-        skewed += count * u if v > 0 else -count * u
+        skewed += count * (u if v > 0 else -u)
     slow = 0 if s[i, STAGE] == 0 else 2
     s[i, OFF_U] = _clamp(s[i, OFF_U] + ((sum_u << 7) >> (window_log2 + slow)), -1024, 1023)
     s[i, OFF_V] = _clamp(s[i, OFF_V] + ((sum_v << 7) >> (window_log2 + slow)), -1024, 1023)
@@ -113,7 +120,7 @@ def fill(
                 s[i, STAGE] = 0
                 s[i, OFF_U] = s[i, OFF_V] = s[i, SKEW] = 0
                 s[i, SCALE_X] = s[i, SCALE_Y] = scale_start
-        _count(s, cells, i, ((int(rel_x[e]) + half) & (2 * half - 1)) - half, ((int(rel_y[e]) + half) & (2 * half - 1)) - half)
+        _count(s, cells, i, _signed(rel_x[e], half), _signed(rel_y[e], half))
         s[i, COUNT] += 1
         if s[i, COUNT] == whole:
             s[i, COUNT] = 0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 
-__all__ = ["BEGIN_US", "DROPPED", "TRACK", "Kind", "check_records"]
+__all__ = ["BEGIN_US", "DROPPED", "TRACK", "VERDICT", "Kind", "check_records"]
 
 
 DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
@@ -46,6 +46,21 @@ TRACK = np.dtype(
         ("other_id", "<i8"),
     ]
 )
+
+
+VERDICT = np.dtype(
+    [
+        ("t_us", "<i8"),
+        ("event_index", "<i8"),
+        ("track_id", "<i8"),
+        ("slot", "<i2"),
+        ("class_id", "<i8"),
+        ("margin", "<i4"),
+        ("windows", "<i4"),
+    ]
+)
+"""What a classifier says of a track: `class_id`, -1 for none of its classes; `margin` of the best class before the next one,
+summed over the `windows` of the vote; the event that completed the last window, and its time."""
 
 
 BEGIN_US = -(2**60)  # the earliest time of a record

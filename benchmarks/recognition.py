@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How often the classifier is right: digits that a camera saw (N-MNIST), four at once, each carried along a path.
+
+    python benchmarks/recognition.py                  # 8 folds of 100 samples; validation
+    python benchmarks/recognition.py --folds 0 1      # some of them
+
+The network of a fold is trained on windows that the tracker has found of the other 700 samples, "apart" and "crossing" together.
+A track's class is that of its last verdict; its true class that of the labelled box which most of its windows lie in.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.events import Events, Recording
+from evcot.hardware.config import MotionConfig
+from evcot.hardware.model import Decisions
+from evcot.metrics.truth import GroundTruth
+from evcot.recognition.contract import HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
+from evcot.recognition.tracker import WindowTracker, joined
+from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, train
+from evcot.recognition.weights import Weights
+from evcot.trackers.presets import MOTION, fit
+from evcot.tracks.formats.base import BOX, Boxes
+from field.digits import digit_labels, digits
+
+WAYS = "apart", "crossing"
+FOLDS, AT_ONCE = 8, 4
+
+
+class Found(NamedTuple):
+    """Windows of the recordings of a fold, "apart" or "crossing"; track ids are numbered through."""
+
+    fold: int
+    way: str
+    windows: LabelledWindows
+
+
+class TruthCentred(WindowTracker):
+    """The tracker's events, with addresses relative to the true middle of the nearest object: what recentring costs."""
+
+    def __init__(self, config: MotionConfig, registers: RecognitionRegisters, truth: Boxes) -> None:
+        super().__init__(config, registers)
+        self._truth, self._mask = truth, (1 << config.shape.rel_w) - 1
+
+    def decide(self, events: Events) -> tuple[NDArray[np.void], Decisions]:
+        """See `GoldenTracker`."""
+        records, decided = super().decide(events)
+        rows, instants_us = self._truth.rows, self._truth.instants_us
+        off_x, off_y = (
+            np.stack([
+                address - np.interp(events.t_us, instants_us[own["instant"]], own[low] + own[side] / 2)
+                for own in (rows[rows["id"] == one] for one in np.unique(rows["id"]))
+            ])
+            for address, low, side in ((events.x, "left", "width"), (events.y, "top", "height"))
+        )  # fmt: skip
+        nearest = np.argmin(np.hypot(off_x, off_y), axis=0)[None]
+        rel_x, rel_y = (
+            (np.rint(2 * np.take_along_axis(off, nearest, 0)[0]).astype(np.int64) & self._mask).astype(np.uint16)
+            for off in (off_x, off_y)
+        )
+        return records, decided._replace(rel_x=rel_x, rel_y=rel_y)
+
+
+def scenes(fold: int, way: str, draw: int) -> Iterator[tuple[Recording, Boxes]]:
+    """The recordings of a fold, with the labelled boxes of each."""
+    labels = digit_labels()
+    numbers = np.random.default_rng((draw, fold)).permutation(np.arange(fold, len(labels), FOLDS))
+    for place in range(0, len(numbers), AT_ONCE):
+        some = numbers[place : place + AT_ONCE]
+        member = digits(way, len(some), (draw, fold, place), some.tolist())
+        yield member.recording, boxes_of(member.truth, labels[some])
+
+
+def boxes_of(truth: GroundTruth, class_id: NDArray[np.int64]) -> Boxes:
+    """A truth as labelled boxes; `class_id` of each object."""
+    objects = truth.objects
+    rows = np.zeros(len(objects), BOX)
+    rows["instant"], rows["id"], rows["class_id"] = objects["frame"], objects["object"], class_id[objects["object"]]
+    for low, axis, side in (("left", "x", "width"), ("top", "y", "height")):
+        rows[low], rows[side] = objects[axis] - objects[side] / 2, objects[side]
+    rows["confidence"] = rows["visibility"] = 1.0
+    rows["counted"] = True
+    return Boxes(truth.instants_us, rows)
+
+
+def config_for(recording: Recording) -> MotionConfig:
+    """The default tracker."""
+    config = fit(MOTION, recording.width, recording.height).device_config(recording.width, recording.height)
+    assert isinstance(config, MotionConfig)
+    return config
+
+
+def found_in(fold: int, way: str, draw: int, registers: RecognitionRegisters, truth_centred: bool = False) -> Found:
+    """Run the tracker over a fold's recordings."""
+    parts = []
+    for number, (recording, boxes) in enumerate(scenes(fold, way, draw)):
+        config = config_for(recording)
+        tracker = TruthCentred(config, registers, boxes) if truth_centred else WindowTracker(config, registers)
+        windows = joined([tracker.windows(block) for block in in_blocks(recording.events)])
+        windows.states["track_id"] += number << 32
+        parts.append(label_windows(windows, boxes))
+    return Found(fold, way, LabelledWindows.of(parts))
+
+
+def in_blocks(events: Events) -> Iterator[Events]:
+    """Events in the blocks of a file."""
+    for begin in range(0, len(events), 1 << 18):
+        yield events[begin : begin + (1 << 18)]
+
+
+def losses(weights: Weights, images: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """The loss of each class in each window, (n, classes)."""
+    registers, network = weights.registers, weights.network
+    hidden = np.maximum(images.astype(np.int64) @ network.w1.astype(np.int64), 0) >> registers.shift_1
+    scores = np.minimum(hidden, HIDDEN_MAX) @ network.w2.astype(np.int64)
+    return np.minimum((scores.max(axis=1, keepdims=True) - scores) >> registers.shift_2, LOSS_MAX)
+
+
+class Score(NamedTuple):
+    """Right windows and tracks, and of how many; `by_track` is (tracks, 3): true class, class found, margin per window."""
+
+    windows: float
+    tracks: float
+    by_track: NDArray[np.float64]
+
+
+def score(weights: Weights, windows: LabelledWindows) -> Score:
+    """Score windows that the network has not seen: a track's class is that of all its windows together."""
+    loss = losses(weights, windows.images)
+    known = np.array(weights.class_ids)
+    labelled = windows.class_id != UNLABELLED
+    right = known[loss.argmin(axis=1)] == windows.class_id
+    rows = []
+    for track in np.unique(windows.track_id):
+        own = windows.track_id == track
+        classes, counts = np.unique(windows.class_id[own], return_counts=True)
+        votes = np.sort(vote := loss[own].sum(axis=0))
+        rows.append((classes[np.argmax(counts)], known[vote.argmin()], (votes[1] - votes[0]) / own.sum()))
+    table = np.array(rows)
+    objects = table[table[:, 0] != UNLABELLED]
+    return Score(float(right[labelled].mean()), float((objects[:, 0] == objects[:, 1]).mean()), table)
+
+
+Scores = dict[str, list[Score]]
+
+
+def validate(found: Sequence[Found], folds: Sequence[int], registers: RecognitionRegisters, seed: int) -> Scores:
+    """Train on all folds but one, score that one; for each of `folds`."""
+    scores: Scores = {way: [] for way in WAYS}
+    for fold in folds:
+        weights = train(LabelledWindows.of([one.windows for one in found if one.fold != fold]), registers, "cot_motion", seed)
+        for one in found:
+            if one.fold == fold:
+                scores[one.way].append(score(weights, one.windows))
+    return scores
+
+
+def print_scores(name: str, scores: Scores) -> None:
+    """Means over folds, with standard errors of the tracks' share."""
+    for way, own in scores.items():
+        tracks = np.array([one.tracks for one in own])
+        error = tracks.std(ddof=1) / len(tracks) ** 0.5 if len(tracks) > 1 else float("nan")
+        count = sum(len(one.by_track) for one in own)
+        windows = np.mean([one.windows for one in own])
+        print(f"{name:16s} {way:9s} windows {windows:.3f}  tracks {tracks.mean():.4f} +- {error:.4f} of {count}", flush=True)
+
+
+def main() -> None:
+    """Validation, and what recentring costs."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--folds", type=int, nargs="+", default=list(range(FOLDS)))
+    parser.add_argument("--draw", type=int, default=1, help="seed of the paths")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the training")
+    parser.add_argument("--truth-centred", action="store_true")
+    options = parser.parse_args()
+    registers = RecognitionRegisters()
+    for truth_centred in (False, True) if options.truth_centred else (False,):
+        begin_s = time.perf_counter()
+        found = [found_in(fold, way, options.draw, registers, truth_centred) for way in WAYS for fold in range(FOLDS)]
+        print(f"{sum(len(one.windows.images) for one in found)} windows in {time.perf_counter() - begin_s:.0f} s")
+        print_scores("truth-centred" if truth_centred else "tracker", validate(found, options.folds, registers, options.seed))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The golden model of the tracker with the classifier behind it, and the windows of its tracks for training."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from ..events import Events
+from ..hardware.config import CotConfig, MotionConfig
+from ..hardware.golden import GoldenTracker
+from ..tracks.record import TRACK, VERDICT
+from ..tracks.tracking import TrackerOutput
+from .contract import NONE, RecognitionRegisters
+from .model import Classifier, Windows
+from .weights import Weights
+
+__all__ = ["ClassifyingTracker", "TrackWindows", "WindowTracker"]
+
+
+class _Newest:
+    """The newest record of each slot."""
+
+    def __init__(self, n_slots: int) -> None:
+        self._past = np.zeros(n_slots, TRACK)
+        self._past["track_id"] = -1
+
+    def at(self, event: NDArray[np.int64], slot: NDArray[np.int64], records: NDArray[np.void]) -> NDArray[np.void]:
+        """The newest record of a slot at each event, (k,) of dtype `TRACK`; `records` are those of the run."""
+        found = self._past[slot]
+        for one in np.unique(slot).tolist():
+            own = records[records["slot"] == one]
+            mine = np.flatnonzero(slot == one)
+            place = np.searchsorted(own["event_index"], event[mine], "right") - 1
+            found[mine[place >= 0]] = own[place[place >= 0]]
+        return found
+
+    def fed(self, records: NDArray[np.void]) -> None:
+        """The run ends."""
+        slots, last = np.unique(records["slot"][::-1], return_index=True)
+        self._past[slots] = records[len(records) - 1 - last]
+
+
+class ClassifyingTracker(GoldenTracker):
+    """The tracker with a classifier. See `tracking.Tracker`.
+
+    Attributes:
+        verdicts: those so far, (k,) of dtype `VERDICT`, about 50 bytes per K owned events.
+
+    Raises:
+        ConfigError: another tracker than that of the weights.
+    """
+
+    def __init__(self, config: CotConfig | MotionConfig, weights: Weights) -> None:
+        if config.module != weights.tracker:
+            raise ConfigError(f"engine {config.module}: must be {weights.tracker}, the tracker of the weights")
+        super().__init__(config)
+        shape = config.shape
+        self._classifier = Classifier(weights.registers, weights.network, shape.n_slots, shape.rel_w)
+        self._class_ids = np.full(NONE + 1, -1, np.int64)
+        self._class_ids[: len(weights.class_ids)] = weights.class_ids
+        self._newest = _Newest(shape.n_slots)
+        self.verdicts = np.zeros(0, VERDICT)
+
+    def feed(self, events: Events) -> TrackerOutput:
+        """See `tracking.Tracker`."""
+        begin = self._seen
+        records, decided = self.decide(events)
+        raw = self._classifier.feed(decided)
+        if len(raw):
+            self.verdicts = np.concatenate((self.verdicts, self._verdicts(raw, records, events, begin)))
+        self._newest.fed(records)
+        return records, decided.owner
+
+    def _verdicts(self, raw: NDArray[np.void], records: NDArray[np.void], events: Events, begin: int) -> NDArray[np.void]:
+        verdicts = np.zeros(len(raw), VERDICT)
+        event = raw["seq"].astype(np.int64)
+        verdicts["event_index"], verdicts["t_us"] = event, events.t_us[event - begin]
+        for name in ("slot", "margin", "windows"):
+            verdicts[name] = raw[name]
+        verdicts["class_id"] = self._class_ids[raw["class"]]
+        verdicts["track_id"] = self._newest.at(event, raw["slot"].astype(np.int64), records)["track_id"]
+        return verdicts
+
+
+class TrackWindows(NamedTuple):
+    """Windows of tracks, for training.
+
+    Attributes:
+        t_us: (n,) int64, when each closed.
+        states: (n,) of dtype `TRACK`, the newest record of its track at that time.
+        images: (n, CELLS^2) uint8.
+    """
+
+    t_us: NDArray[np.int64]
+    states: NDArray[np.void]
+    images: NDArray[np.uint8]
+
+
+class WindowTracker(GoldenTracker):
+    """The tracker with the classifier's front end: the windows that have a verdict."""
+
+    def __init__(self, config: MotionConfig, registers: RecognitionRegisters) -> None:
+        super().__init__(config)
+        self._windows = Windows(registers, config.shape.n_slots, config.shape.rel_w)
+        self._newest = _Newest(config.shape.n_slots)
+
+    def windows(self, events: Events) -> TrackWindows:
+        """Those that close in a run of events."""
+        begin = self._seen
+        records, decided = self.decide(events)
+        parts = []
+        for closed in self._windows.feed(decided):
+            kept = closed.stage > 0
+            event = closed.event[kept]
+            states = self._newest.at(event + begin, closed.slot[kept], records)
+            parts.append(TrackWindows(events.t_us[event], states, closed.images[kept]))
+        self._newest.fed(records)
+        return joined(parts)
+
+
+def joined(parts: list[TrackWindows]) -> TrackWindows:
+    """All windows, in order."""
+    if not parts:
+        return TrackWindows(np.zeros(0, np.int64), np.zeros(0, TRACK), np.zeros((0, 0), np.uint8))
+    return TrackWindows(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))

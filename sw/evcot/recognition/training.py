@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Training of the classifier: windows that the tracker has found, their classes from labelled boxes, and the network."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from ..events import Events
+from ..hardware.config import MotionConfig
+from ..ranges import check_integer
+from ..tracks.formats.base import Boxes
+from .contract import CELLS, CLASSES_MAX, HIDDEN, HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
+from .model import Network
+from .tracker import TrackWindows, WindowTracker, joined
+from .weights import Weights
+
+__all__ = ["UNLABELLED", "WINDOWS_MIN", "LabelledWindows", "label_windows", "registers_for", "train", "windows_of"]
+
+UNLABELLED = -1
+WINDOWS_MIN = 50  # of a class
+_EPOCHS, _BATCH = 25, 256
+_RATE, _DECAY = 2e-3, 0.02  # of Adam, and decay of weights per step in units of the rate
+_DROP = 0.1  # share of cells left out in training
+_SCALE = 4.0  # counts per unit of the network's input in training
+_LOGITS = 6.0  # distance from the best class at which a loss is limited
+_OBJECT_CELLS = CELLS / 1.25  # side of a labelled object in the image of a track's first window
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledWindows:
+    """Windows with classes.
+
+    Attributes:
+        images: (n, CELLS^2) uint8.
+        class_id: (n,) int64, `UNLABELLED` where the track is in no labelled box.
+        track_id: (n,) int64.
+    """
+
+    images: NDArray[np.uint8]
+    class_id: NDArray[np.int64]
+    track_id: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, parts: Sequence[LabelledWindows]) -> LabelledWindows:
+        """All windows of several recordings, whose track ids are kept."""
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("images", "class_id", "track_id")))
+
+
+def registers_for(labels: Sequence[Boxes], window_log2: int = 10, margin_min: int = 0) -> RecognitionRegisters:
+    """Registers whose start scale fits labelled objects: the median of their sides."""
+    sides_px = np.concatenate([(boxes.rows["width"] + boxes.rows["height"]) / 2 for boxes in labels])
+    half_pixels = 2 * float(np.median(sides_px)) if len(sides_px) else 40.0
+    scale = round(min(max(_OBJECT_CELLS * 4096 / half_pixels, 16), 4095))
+    return RecognitionRegisters(window_log2=window_log2, scale_start=scale, margin_min=margin_min)
+
+
+def windows_of(blocks: Iterable[Events], config: MotionConfig, registers: RecognitionRegisters) -> TrackWindows:
+    """Run the tracker over a recording; the windows of all its tracks."""
+    tracker = WindowTracker(config, registers)
+    return joined([tracker.windows(block) for block in blocks])
+
+
+def label_windows(windows: TrackWindows, labels: Boxes) -> LabelledWindows:
+    """Give each window the class of the labelled box that its track is in: the nearest box that holds the track's middle.
+
+    Boxes are taken at the instant nearest to the window's end.
+    """
+    instants_us, rows = labels.instants_us, labels.rows
+    begins = np.searchsorted(rows["instant"], np.arange(len(instants_us) + 1))
+    after = np.clip(np.searchsorted(instants_us, windows.t_us), 1, max(len(instants_us) - 1, 1))
+    before_us = windows.t_us - instants_us[after - 1]
+    instant = np.where(before_us <= instants_us[np.minimum(after, len(instants_us) - 1)] - windows.t_us, after - 1, after)
+    instant = np.minimum(instant, len(instants_us) - 1)
+    class_id = np.full(len(instant), UNLABELLED)
+    for row, (at, state) in enumerate(zip(instant.tolist(), windows.states, strict=True)):
+        boxes = rows[begins[at] : begins[at + 1]]
+        off_x = np.abs(boxes["left"] + boxes["width"] / 2 - state["x"])
+        off_y = np.abs(boxes["top"] + boxes["height"] / 2 - state["y"])
+        inside = np.flatnonzero((off_x <= boxes["width"] / 2) & (off_y <= boxes["height"] / 2))
+        if len(inside):
+            class_id[row] = boxes["class_id"][inside[np.argmin(np.hypot(off_x, off_y)[inside])]]
+    return LabelledWindows(windows.images, class_id, windows.states["track_id"])
+
+
+def train(windows: LabelledWindows, registers: RecognitionRegisters, tracker: str, seed: int = 1) -> Weights:
+    """Train the network, and quantise it.
+
+    Args:
+        windows: those without a label are left out.
+        registers: those that the windows were made with.
+        tracker: the module whose owned events they hold.
+        seed: of all random numbers; the same seed and windows give the same weights on one machine.
+
+    Raises:
+        ConfigError: fewer than two classes, more than the network has, or one with fewer than `WINDOWS_MIN` windows.
+    """
+    check_integer("seed", seed, 0, 2**63 - 1)
+    labelled = windows.class_id != UNLABELLED
+    images = windows.images[labelled]
+    class_ids, target, counts = np.unique(windows.class_id[labelled], return_inverse=True, return_counts=True)
+    if not 2 <= len(class_ids) <= CLASSES_MAX:
+        raise ConfigError(f"labels have {len(class_ids)} classes in the tracks found: must be 2 to {CLASSES_MAX}")
+    if counts.min() < WINDOWS_MIN:
+        few = int(np.argmin(counts))
+        rule = f"must be at least {WINDOWS_MIN}: label more recordings of this class"
+        raise ConfigError(f"class {class_ids[few]} has {counts[few]} windows: {rule}")
+    w1, w2 = _fitted(images.astype(np.float32) / _SCALE, target, len(class_ids), np.random.default_rng(seed))
+    network, shift_1, shift_2 = _quantised(w1 / _SCALE, w2, images)
+    own = replace(registers, shift_1=shift_1, shift_2=shift_2, classes=len(class_ids))
+    return Weights(network, own, tuple(class_ids.tolist()), tracker)
+
+
+def _fitted(
+    inputs: NDArray[np.float32], target: NDArray[np.int64], classes: int, random: np.random.Generator
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Weights of both layers: Adam on the cross-entropy, with a rate that falls as a cosine."""
+    n = len(inputs)
+    weights = [
+        random.normal(0, math.sqrt(2 / inputs.shape[1]), (inputs.shape[1], HIDDEN)).astype(np.float32),
+        random.normal(0, math.sqrt(1 / HIDDEN), (HIDDEN, classes)).astype(np.float32),
+    ]
+    mean, square = ([np.zeros_like(each) for each in weights] for _ in range(2))
+    steps = _EPOCHS * -(-n // _BATCH)
+    step = 0
+    for _ in range(_EPOCHS):
+        order = random.permutation(n)
+        for begin in range(0, n, _BATCH):
+            rows = order[begin : begin + _BATCH]
+            some = inputs[rows]
+            some = some * (random.random(some.shape, dtype=np.float32) > _DROP) / (1 - _DROP)
+            before = some @ weights[0]
+            hidden = np.maximum(before, 0)
+            scores = hidden @ weights[1]
+            error = np.exp(scores - scores.max(axis=1, keepdims=True))
+            error /= error.sum(axis=1, keepdims=True)
+            error[np.arange(len(rows)), target[rows]] -= 1
+            error /= len(rows)
+            slopes = some.T @ ((error @ weights[1].T) * (before > 0)), hidden.T @ error
+            step += 1
+            rate = _RATE * 0.5 * (1 + math.cos(math.pi * step / steps))
+            for k, slope in enumerate(slopes):
+                mean[k] += 0.1 * (slope - mean[k])
+                square[k] += 0.001 * (slope**2 - square[k])
+                moved = mean[k] / (1 - 0.9**step) / (np.sqrt(square[k] / (1 - 0.999**step)) + 1e-8)
+                weights[k] -= np.float32(rate) * (moved + np.float32(_DECAY) * weights[k])
+    return weights[0], weights[1]
+
+
+def _quantised(w1: NDArray[np.float32], w2: NDArray[np.float32], images: NDArray[np.uint8]) -> tuple[Network, int, int]:
+    """The weights in 8 bits, and the shifts after both layers."""
+    per_1, per_2 = (127 / float(np.abs(weights).max()) for weights in (w1, w2))
+    whole_1, whole_2 = (np.rint(weights * per).astype(np.int8) for weights, per in ((w1, per_1), (w2, per_2)))
+    some = images[:: max(len(images) // 4096, 1)].astype(np.int64)
+    top = float(np.quantile((some @ whole_1.astype(np.int64)).max(axis=1), 0.99))
+    shift_1 = max(math.ceil(math.log2(max(top, 1) / HIDDEN_MAX)), 0)
+    per_logit = per_1 * per_2 / 2**shift_1
+    shift_2 = min(max(round(math.log2(per_logit * _LOGITS / LOSS_MAX)), 0), 15)
+    return Network(whole_1, whole_2), shift_1, shift_2

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A trained classifier as a file: weights, registers and classes, with the tracker that they belong to and a checksum."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import astuple, dataclass
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError, reason_of
+from ..outputs import note_input, written_aside
+from .contract import RecognitionRegisters
+from .model import Network
+
+__all__ = ["VERSION", "Weights"]
+
+VERSION = 1  # of the contract (docs/recognition.md) that the weights are for
+_ARRAYS = ("version", "tracker", "registers", "class_ids", "w1", "w2", "checksum")
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """A trained classifier.
+
+    Attributes:
+        network: its weights.
+        registers: of the classifier; K is 2^window_log2.
+        class_ids: the number that labels give each class, in the order of the network.
+        tracker: name of the module whose owned events it was trained on.
+
+    Raises:
+        ConfigError: class numbers that are not one for each class of network and registers, or occur twice.
+    """
+
+    network: Network
+    registers: RecognitionRegisters
+    class_ids: tuple[int, ...]
+    tracker: str = "cot_motion"
+
+    def __post_init__(self) -> None:
+        count = self.network.w2.shape[1]
+        if not len(set(self.class_ids)) == len(self.class_ids) == count == self.registers.classes:
+            shown = ", ".join(map(str, self.class_ids))
+            raise ConfigError(f"class_ids = {shown}: must be {count} different numbers, as w2 and registers have classes")
+
+    def save(self, path: Path | str, *, force: bool = False) -> None:
+        """Write an npz file; equal weights give equal files.
+
+        Args:
+            force: replace a file that exists.
+
+        Raises:
+            OutputError: the file exists, or cannot be written.
+        """
+        arrays = self._arrays() | {"checksum": np.array(_checksum(self._arrays()))}
+        with written_aside(Path(path), force=force) as file, zipfile.ZipFile(file, "w") as archive:
+            for name in _ARRAYS:
+                with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w") as member:
+                    np.lib.format.write_array(member, arrays[name], allow_pickle=False)
+
+    @classmethod
+    def load(cls, path: Path | str) -> Weights:
+        """Read a file that `save` wrote.
+
+        Raises:
+            ConfigError: the file is missing, damaged, of another version, or has weights of another shape: names the file.
+        """
+        arrays = _read(Path(path))
+        version = arrays["version"]
+        if version.ndim or version != VERSION:
+            raise ConfigError(f"{path}: version = {version}: must be {VERSION}: train again")
+        checksum = str(arrays.pop("checksum"))
+        if checksum != _checksum(arrays):
+            raise ConfigError(f"{path}: checksum = {checksum!r}: must be {_checksum(arrays)!r}: the file is damaged")
+        try:
+            registers = RecognitionRegisters(*arrays["registers"].tolist())
+            class_ids = tuple(arrays["class_ids"].tolist())
+            return cls(Network(arrays["w1"], arrays["w2"]), registers, class_ids, str(arrays["tracker"]))
+        except ConfigError as error:
+            raise ConfigError(f"{path}: {error}") from error
+        except TypeError as error:
+            raise ConfigError(f"{path}: registers has {arrays['registers'].size} values: must be of this version") from error
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return {
+            "version": np.array(VERSION), "tracker": np.array(self.tracker),
+            "registers": np.array(astuple(self.registers), np.int64), "class_ids": np.array(self.class_ids, np.int64),
+            "w1": self.network.w1, "w2": self.network.w2,
+        }  # fmt: skip
+
+
+def _checksum(arrays: dict[str, NDArray[Any]]) -> str:
+    made_of = blake2b(digest_size=8)
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        made_of.update(f"{name} {array.dtype.str} {array.shape} ".encode() + array.tobytes())
+    return made_of.hexdigest()
+
+
+def _read(path: Path) -> dict[str, NDArray[Any]]:
+    note_input(path)
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            if not isinstance(archive, np.lib.npyio.NpzFile):
+                raise ConfigError(f"{path}: is a single array: must be weights that evcot train wrote")
+            missing = [name for name in _ARRAYS if name not in archive.files]
+            if missing:
+                raise ConfigError(f"{path}: has no array {missing[0]}: must be weights that evcot train wrote")
+            return {name: archive[name] for name in _ARRAYS}
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {reason_of(error, path)}") from error
+    except (ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        if isinstance(error, ConfigError):
+            raise
+        raise ConfigError(f"{path}: is damaged, or no npz file: must be weights that evcot train wrote") from error
