@@ -4,7 +4,7 @@
     python benchmarks/recognition.py                  # 8 folds of 100 samples; validation
     python benchmarks/recognition.py --folds 0 1      # some of them
 
-The network of a fold is trained on windows that the tracker has found of the other 700 samples, "apart" and "crossing" together.
+The network of a fold is trained on windows that the tracker has found of the other 700 samples, of both kinds together.
 A track's class is that of its last verdict; its true class that of the labelled box which most of its windows lie in.
 """
 

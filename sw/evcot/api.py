@@ -65,6 +65,7 @@ def track(
     config: Path | str | None = None,
     settings: Any = None,
     filters: FilterConfig | None = None,
+    classify: Path | str | None = None,
     **changes: Any,
 ) -> TrackLog:
     """Track the objects in a recording, as `evcot track` does.
@@ -81,17 +82,18 @@ def track(
         settings: an object with all of the engine's settings, in place of preset and file; for a hardware module a
             `RunConfig`.
         filters: those in front of the tracker; None: the preset's.
+        classify: weights that `evcot train` wrote; the log then has verdicts. Only with the tracker of the weights.
         changes: fields of the engine's settings, which replace those of the preset; for "cot_motion" its registers.
 
     Returns:
         The records of every track (births, moves, merges, losses), and the owner of each event.
 
     Raises:
-        ConfigError: no such engine, preset or setting, or a value outside its range.
+        ConfigError: no such engine, preset or setting, a value outside its range, or weights that cannot be used.
         RecordingError: a file that cannot be read, or holds no events.
     """
     with _blocks(source) as (blocks, sensor):
-        made = tracker(sensor, engine, preset, config=config, settings=settings, filters=filters, **changes)
+        made = tracker(sensor, engine, preset, config=config, settings=settings, filters=filters, classify=classify, **changes)
         return signed_log_of(engine, made, blocks)
 
 
@@ -133,6 +135,7 @@ def tracker(
     config: Path | str | None = None,
     settings: Any = None,
     filters: FilterConfig | None = None,
+    classify: Path | str | None = None,
     **changes: Any,
 ) -> Tracker:
     """A tracker for a stream of events, as `track` runs it over a recording.
@@ -143,7 +146,7 @@ def tracker(
 
     Args:
         sensor: (width, height) in pixels.
-        engine, preset, config, settings, filters, changes: as of `track`.
+        engine, preset, config, settings, filters, classify, changes: as of `track`.
 
     Raises:
         ConfigError: no such engine, preset or setting, or a value outside its range.
@@ -161,7 +164,13 @@ def tracker(
             raise ConfigError(f"settings: are of {module}: must be given with engine {module}")
         default, own = settings, settings.filters if isinstance(settings, RunConfig) else FilterConfig()
     own = own if filters is None else filters
-    return ENGINES[engine].start(changed(engine, default, changes), own, sensor)
+    own_settings = changed(engine, default, changes)
+    if classify is None:
+        return ENGINES[engine].start(own_settings, own, sensor)
+    from .recognition.tracker import start_classifying
+    from .recognition.weights import Weights
+
+    return start_classifying(engine, own_settings, own, sensor, Weights.load(classify))
 
 
 def plot(

@@ -11,10 +11,10 @@ from evcot.trackers.engines import DEFAULT, ENGINES
 from evcot.tracks.suffixes import CSV, LOG_SUFFIXES
 
 from ..live import PORT
-from .options import FORMATS_TEXT, checkpoint_option, clock_options, filter_options, recording_options
+from .options import FORMATS_TEXT, checkpoint_option, clock_options, damage_options, filter_options, recording_options
 from .parsing import add_command, group_of, input_each, input_or_name, input_path, json_or_quiet, output_option
 
-__all__ = ["add_anomalies", "add_boxes", "add_evaluate", "add_live", "add_presets", "add_track"]
+__all__ = ["add_anomalies", "add_boxes", "add_evaluate", "add_live", "add_presets", "add_track", "add_train"]
 
 
 def engine_options(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +48,7 @@ _TRACK_EXAMPLES = """
 evcot track drive.aedat4 -o log.npz              # no settings needed
 evcot track drive.aedat4 --engine adaptive -o log.npz  # a tracker in software that works in another way
 evcot track drive.aedat4 --engine rct --preset traffic -o log.npz
+evcot track drive.aedat4 --classify digits.npz -o log.npz  # the class of each track, with weights of `evcot train`
 evcot track drive.aedat4 --boxes result.txt --frame-us 40000   # MOTChallenge, 25 frames a second
 evcot track drive.raw --engine rct --preset traffic --set radius_px=12 --learn-hot-pixels --json
 """
@@ -69,6 +70,7 @@ def add_track(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     output_option(parser, "--csv", suffixes=(CSV,), metavar="LOG.csv", help="write its records as text, too")
     output_option(parser, "--boxes", metavar="FILE", help="write the tracks' boxes, one per frame (--frame-us)")
     parser.add_argument("--boxes-format", metavar="NAME", help=f"format of the boxes: {FORMATS_TEXT}")
+    parser.add_argument("--classify", type=input_path, metavar="NPZ", help="classify tracks with weights of `evcot train`")
     clock_options(parser, "the first event")
     recording_options(parser)
     filter_options(parser)
@@ -111,6 +113,36 @@ def add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     recording_options(parser)
     filter_options(parser)
     json_or_quiet(parser, "print a line of figures a second, and one at the end", "no dashboard, no table")
+
+
+_TRAIN_EXAMPLES = """
+evcot train one.aedat4 two.aedat4 --labels one.json two.json -o digits.npz   # COCO boxes with classes
+evcot train drive.raw --labels drive_bbox.npy -o vehicles.npz
+"""
+
+
+def add_train(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    parser = add_command(commands, "train", "train a classifier of tracks from labelled recordings", _TRAIN_EXAMPLES)
+    parser.add_argument(
+        "recordings", nargs="+", type=input_path, metavar="FILE", help="recordings, in any format that evcot reads"
+    )
+    parser.add_argument(
+        "--labels", nargs="+", type=input_path, required=True, metavar="BOXES", help="boxes with classes, a file a recording"
+    )
+    parser.add_argument("--labels-format", metavar="NAME", help=f"format of the labels: {FORMATS_TEXT}")
+    output_option(parser, "-o", "--output", suffixes=(".npz",), required=True, metavar="NPZ", help="write the weights")
+    group = group_of(parser, "engine")
+    group.add_argument("--preset", metavar="NAME", help="of cot_motion, see `evcot presets` (default: its first)")
+    group.add_argument("--config", type=input_path, metavar="TOML", help="a file that overrides the preset")
+    group.add_argument("--window-log2", type=int, default=10, metavar="N", help="a window has 2^N events (default: 10)")
+    group.add_argument(
+        "--margin-min", type=int, default=0, metavar="N", help="a smaller margin per window is no class (0 to 255, default: 0)"
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the training (default: 1)")
+    clock_options(parser, "0")
+    damage_options(parser)
+    parser.add_argument("--json", action="store_true", help="print the number of windows of each class as JSON")
 
 
 _EVALUATE_EXAMPLES = """

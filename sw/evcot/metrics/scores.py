@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import RecordingWarning, TrackLogError
 from ..tracks.log_files import RecordRuns
 from ..tracks.log_parts import sampled
+from .classes import ClassScores, class_scores
 from .frames import Frames, Matches, line_up
 from .mot import clear, hota, identity
 from .motion import motion
@@ -33,6 +34,7 @@ class Scores:
 
     Attributes:
         frames: number of instants evaluated; truth_ids, track_ids: number of objects and tracks evaluated at any of them.
+        classes: of tracks, if the log has verdicts and the truth classes.
     """
 
     hota: float
@@ -66,10 +68,11 @@ class Scores:
     frames: int
     truth_ids: int
     track_ids: int
+    classes: ClassScores | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values by name."""
-        return asdict(self)
+        """Plain values by name; without `classes` if there are none."""
+        return {name: value for name, value in asdict(self).items() if name != "classes" or value is not None}
 
 
 def evaluate(log: RecordRuns, truth: GroundTruth, rule: Rule) -> Scores:
@@ -90,6 +93,7 @@ def evaluate(log: RecordRuns, truth: GroundTruth, rule: Rule) -> Scores:
     identified = identity(frames, rule.threshold)
     row, column = _rows(frames, followed.matches)
     instants_us = truth.instants_us[followed.matches.frame]
+    verdicts = log.verdicts
     moved = motion(log, rule.max_age_us, objects[row], outputs[column], instants_us)
     return Scores(
         **asdict(hota(frames)),
@@ -99,6 +103,7 @@ def evaluate(log: RecordRuns, truth: GroundTruth, rule: Rule) -> Scores:
         frames=len(truth.instants_us),
         truth_ids=frames.n_truth,
         track_ids=frames.n_tracks,
+        classes=class_scores(verdicts, outputs["track_id"][column], objects["class_id"][row]) if len(verdicts) else None,
     )
 
 

@@ -37,6 +37,7 @@ OBJECT = np.dtype(
         ("vx", "<f8"),  # pixels per second; NaN if not in the truth
         ("vy", "<f8"),
         ("counted", "?"),
+        ("class_id", "<i8"),  # -1 if not in the truth
     ]
 )
 
@@ -104,7 +105,7 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
             take.check(columns[side], named[side] >= _SIDE_MIN, f"must be at least {_SIDE_MIN:g}")
             objects[axis], objects[side] = named[low] + named[side] / 2, named[side]
         objects[f"v{axis}"] = named.get(f"v{axis}", math.nan)
-    objects["counted"] = True
+    objects["counted"], objects["class_id"] = True, -1
     for name, (low_limit, high_limit) in rule.counted.items():
         value = take.numbers(name)
         objects["counted"] &= (low_limit <= value) & (value <= high_limit)
@@ -125,6 +126,7 @@ def _truth_of_boxes(path: Path, boxes: Boxes, rule: Rule) -> GroundTruth:
     names, number = np.unique(rows["id"], return_inverse=True)
     objects = np.zeros(len(rows), OBJECT)
     objects["frame"], objects["object"], objects["counted"] = rows["instant"], number, rows["counted"]
+    objects["class_id"] = rows["class_id"]
     for axis, low, side in (("x", "left", "width"), ("y", "top", "height")):
         objects[axis], objects[side], objects[f"v{axis}"] = rows[low] + rows[side] / 2, rows[side], math.nan
     for name, limits in rule.counted.items():

@@ -3,22 +3,27 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Events
+from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, MotionConfig
 from ..hardware.golden import GoldenTracker
+from ..recordings.formats.source import Sensor
+from ..trackers.config import RunConfig
+from ..trackers.presets import fit
 from ..tracks.record import TRACK, VERDICT
 from ..tracks.tracking import TrackerOutput
 from .contract import NONE, RecognitionRegisters
 from .model import Classifier, Windows
 from .weights import Weights
 
-__all__ = ["ClassifyingTracker", "TrackWindows", "WindowTracker"]
+__all__ = ["ClassifyingTracker", "TrackWindows", "WindowTracker", "joined", "start_classifying"]
 
 
 class _Newest:
@@ -84,6 +89,20 @@ class ClassifyingTracker(GoldenTracker):
         verdicts["class_id"] = self._class_ids[raw["class"]]
         verdicts["track_id"] = self._newest.at(event, raw["slot"].astype(np.int64), records)["track_id"]
         return verdicts
+
+
+def start_classifying(
+    engine: str, settings: Any, filters: FilterConfig, sensor: Sensor, weights: Weights
+) -> ClassifyingTracker:
+    """As `engines.Engine.start`, with a classifier.
+
+    Raises:
+        ConfigError: another tracker than that of the weights, or a value outside its range.
+    """
+    if not isinstance(settings, RunConfig) or engine != weights.tracker:
+        raise ConfigError(f"engine {engine}: must be {weights.tracker}, the tracker of the weights")
+    config = replace(fit(settings, *sensor), filters=filters).device_config(*sensor)
+    return ClassifyingTracker(config, weights)
 
 
 class TrackWindows(NamedTuple):

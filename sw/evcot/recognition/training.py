@@ -24,9 +24,10 @@ __all__ = ["UNLABELLED", "WINDOWS_MIN", "LabelledWindows", "label_windows", "reg
 
 UNLABELLED = -1
 WINDOWS_MIN = 50  # of a class
-_EPOCHS, _BATCH = 25, 256
-_RATE, _DECAY = 2e-3, 0.02  # of Adam, and decay of weights per step in units of the rate
+_EPOCHS, _BATCH = 40, 256
+_RATE, _DECAY = 2e-3, 0.05  # of Adam, and decay of weights per step in units of the rate
 _DROP = 0.1  # share of cells left out in training
+_DISTORTION, _SHIFT = 0.1, 0.3  # standard deviations in training: of an affine change, and of a shift in cells
 _SCALE = 4.0  # counts per unit of the network's input in training
 _LOGITS = 6.0  # distance from the best class at which a loss is limited
 _OBJECT_CELLS = CELLS / 1.25  # side of a labelled object in the image of a track's first window
@@ -132,7 +133,7 @@ def _fitted(
         order = random.permutation(n)
         for begin in range(0, n, _BATCH):
             rows = order[begin : begin + _BATCH]
-            some = inputs[rows]
+            some = inputs[rows] @ _distortion(random)
             some = some * (random.random(some.shape, dtype=np.float32) > _DROP) / (1 - _DROP)
             before = some @ weights[0]
             hidden = np.maximum(before, 0)
@@ -150,6 +151,24 @@ def _fitted(
                 moved = mean[k] / (1 - 0.9**step) / (np.sqrt(square[k] / (1 - 0.999**step)) + 1e-8)
                 weights[k] -= np.float32(rate) * (moved + np.float32(_DECAY) * weights[k])
     return weights[0], weights[1]
+
+
+def _distortion(random: np.random.Generator) -> NDArray[np.float32]:
+    """A small random affine change of images, (CELLS^2, CELLS^2), to be multiplied with rows: bilinear interpolation."""
+    change = np.eye(2) + random.normal(0, _DISTORTION, (2, 2))
+    middle = (CELLS - 1) / 2
+    grid = np.stack(np.meshgrid(np.arange(CELLS), np.arange(CELLS), indexing="ij")).reshape(2, -1)
+    place = change @ (grid - middle) + middle + random.normal(0, _SHIFT, (2, 1))
+    matrix = np.zeros((CELLS**2, CELLS**2), np.float32)
+    low = np.floor(place).astype(np.int64)
+    part = place - low
+    for down in (0, 1):
+        for right in (0, 1):
+            row, column = low[0] + down, low[1] + right
+            weight = np.abs(1 - down - part[0]) * np.abs(1 - right - part[1])
+            inside = (row >= 0) & (row < CELLS) & (column >= 0) & (column < CELLS)
+            matrix[(row * CELLS + column)[inside], np.flatnonzero(inside)] += weight[inside]
+    return matrix
 
 
 def _quantised(w1: NDArray[np.float32], w2: NDArray[np.float32], images: NDArray[np.uint8]) -> tuple[Network, int, int]:

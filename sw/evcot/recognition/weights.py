@@ -57,7 +57,7 @@ class Weights:
         Raises:
             OutputError: the file exists, or cannot be written.
         """
-        arrays = self._arrays() | {"checksum": np.array(_checksum(self._arrays()))}
+        arrays = self._arrays() | {"checksum": np.array(self.checksum)}
         with written_aside(Path(path), force=force) as file, zipfile.ZipFile(file, "w") as archive:
             for name in _ARRAYS:
                 with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w") as member:
@@ -85,6 +85,11 @@ class Weights:
             raise ConfigError(f"{path}: {error}") from error
         except TypeError as error:
             raise ConfigError(f"{path}: registers has {arrays['registers'].size} values: must be of this version") from error
+
+    @property
+    def checksum(self) -> str:
+        """As in the file."""
+        return _checksum(self._arrays())
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         return {

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from pkgutil import resolve_name
@@ -17,7 +17,7 @@ from ..dataframes import pandas_frame, polars_frame
 from .log_files import save_log, write_csv, write_npz
 from .npz import NpzFile
 from .parquet import LogFile
-from .record import DROPPED, TRACK, Kind
+from .record import DROPPED, TRACK, VERDICT, Kind, no_verdicts
 from .suffixes import PARQUET
 from .track import Tracks
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from ..events import Recording
 
-__all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
+__all__ = ["DROPPED", "TRACK", "VERDICT", "Kind", "TrackLog"]
 
 _RUN = 1 << 16
 
@@ -51,12 +51,14 @@ class TrackLog:
         owner: (n,) int16, one per event: the slot that took it, -1 if none did, -2 if a
             filter dropped it.
         recording: the fingerprint of the events (`digest.digest`); empty if it was not computed.
+        verdicts: (k,) of dtype `VERDICT`, in chronological order: the classes of tracks, if the tracker had a classifier.
     """
 
     engine: str
     records: NDArray[np.void]
     owner: NDArray[np.int16]
     recording: str = ""
+    verdicts: NDArray[np.void] = field(default_factory=no_verdicts)
 
     @classmethod
     def empty(cls, engine: str) -> TrackLog:
@@ -163,7 +165,7 @@ class TrackLog:
             TrackLogError: the file is missing, damaged, or not a TrackLog.
         """
         file = NpzFile(path)
-        return cls(file.engine, *file.read(), file.recording)
+        return cls(file.engine, *file.read(), file.recording, file.verdicts)
 
     def write_csv(self, path: Path | str, *, force: bool = False) -> None:
         """Write the records as CSV: a header, kinds by name, every number with the fewest digits that round-trip exactly.

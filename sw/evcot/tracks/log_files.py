@@ -20,7 +20,7 @@ from ..outputs import suffix_of, written_aside
 from .column import Column
 from .npz import NpzFile
 from .parquet import LogFile, check_parquet, write_log
-from .record import TRACK, Kind
+from .record import TRACK, VERDICT, Kind, classes_at
 from .spool import LogColumns
 from .suffixes import CSV, LOG_SUFFIXES, PARQUET
 
@@ -53,6 +53,10 @@ class RecordRuns(Protocol):
 
     def count_owners(self) -> int:
         """Number of owners, one for each event."""
+
+    @property
+    def verdicts(self) -> NDArray[np.void]:
+        """(k,) of dtype `VERDICT`, as of `TrackLog`."""
 
 
 def open_log(path: Path | str) -> LogFile | NpzFile:
@@ -89,8 +93,10 @@ def save_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None:
 
     Raises:
         OutputError: an unknown suffix, the file exists (without `force`), or it cannot be written.
-        TrackLogError: pyarrow is not installed.
+        TrackLogError: pyarrow is not installed, or the log has verdicts, which Parquet does not keep.
     """
+    if len(log.verdicts) and suffix_of(Path(path), LOG_SUFFIXES) == PARQUET:
+        raise TrackLogError(f"{path}: the log has verdicts, which Parquet does not keep: must be .npz or .csv")
     write = {PARQUET: write_log, CSV: write_csv}.get(suffix_of(Path(path), LOG_SUFFIXES), write_npz)
     write(log, path, force=force)
 
@@ -108,6 +114,8 @@ def write_npz(log: LogColumns, path: Path | str, *, force: bool = False) -> None
     }
     if log.recording:
         arrays["recording"] = (np.array(log.recording).dtype, np.array(log.recording))
+    if len(log.verdicts):
+        arrays["verdicts"] = (VERDICT, log.verdicts)
     with (
         written_aside(Path(path), force=force) as file,
         zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,
@@ -131,18 +139,23 @@ def _write_array(member: IO[bytes], dtype: np.dtype[Any], values: Column | NDArr
 def write_csv(log: LogColumns, path: Path | str, *, force: bool = False) -> None:
     """Write the records as CSV: a header, kinds by name, every number with the fewest digits that round-trip exactly.
 
+    A log with verdicts has one more column, `class_id`: the class of the record's track at its time, -1 for none.
+
     Raises:
         OutputError: the file exists (without `force`), or cannot be written.
     """
     names = np.array([kind.name for kind in Kind])
     with written_aside(Path(path), force=force) as file:
-        file.write((",".join(TRACK.names or ()) + "\n").encode())
+        classified = len(log.verdicts) > 0
+        file.write((",".join((*(TRACK.names or ()), *(["class_id"] if classified else []))) + "\n").encode())
         for begin in range(0, len(log.records), _ROWS):
             rows = log.records[begin : begin + _ROWS]
             columns = [
                 names[rows["kind"]].tolist() if name == "kind" else [repr(value) for value in rows[name].tolist()]
                 for name in TRACK.names or ()
             ]
+            if classified:
+                columns.append([str(one) for one in classes_at(log.verdicts, rows["track_id"], rows["t_us"]).tolist()])
             file.write("".join(",".join(row) + "\n" for row in zip(*columns, strict=True)).encode())
 
 

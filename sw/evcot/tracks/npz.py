@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 from ..outputs import note_input
-from .record import TRACK
+from .record import TRACK, VERDICT, no_verdicts
 from .suffixes import CSV
 
 __all__ = ["NpzFile"]
@@ -29,7 +29,9 @@ _ARRAYS: dict[str, tuple[np.dtype[Any] | None, int]] = {
     "recording": (None, 0),
     "records": (TRACK, 1),
     "owner": (_OWNER, 1),
+    "verdicts": (VERDICT, 1),
 }
+_OPTIONAL = "recording", "verdicts"
 
 
 class NpzFile:
@@ -55,7 +57,7 @@ class NpzFile:
             there = {name.removesuffix(".npy") for name in archive.namelist()}
             for name, (dtype, ndim) in _ARRAYS.items():
                 if name not in there:
-                    if name == "recording":
+                    if name in _OPTIONAL:
                         continue
                     raise TrackLogError(f"{path}: has no array {name}: must have engine, records, owner")
                 with archive.open(f"{name}.npy") as member:
@@ -96,6 +98,11 @@ class NpzFile:
                 whole[done : done + len(run)] = run
                 done += len(run)
         return records, owner
+
+    @property
+    def verdicts(self) -> NDArray[np.void]:
+        """See `TrackLog`."""
+        return np.concatenate([no_verdicts(), *(self._runs("verdicts", VERDICT) if "verdicts" in self._lengths else [])])
 
     def _runs(self, name: str, dtype: np.dtype[Any]) -> Iterator[NDArray[Any]]:
         left = self._lengths[name]

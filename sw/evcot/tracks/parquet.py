@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..errors import OutputError, TrackLogError
 from ..outputs import note_input, path_written_aside
-from .record import TRACK, Kind
+from .record import TRACK, Kind, no_verdicts
 
 if TYPE_CHECKING:
     from .spool import LogColumns
@@ -197,6 +197,11 @@ class LogFile:
         """All records, run by run; every call gives them again. Errors as of `blocks`."""
         for records, _ in self.blocks(owners=False):
             yield records
+
+    @property
+    def verdicts(self) -> NDArray[np.void]:
+        """None: Parquet does not keep them."""
+        return no_verdicts()
 
     def count_owners(self) -> int:
         """Number of owners, one for each event; errors as of `blocks`."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 
-__all__ = ["BEGIN_US", "DROPPED", "TRACK", "VERDICT", "Kind", "check_records"]
+__all__ = ["BEGIN_US", "DROPPED", "TRACK", "VERDICT", "Kind", "check_records", "classes_at", "no_verdicts"]
 
 
 DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
@@ -61,6 +61,25 @@ VERDICT = np.dtype(
 )
 """What a classifier says of a track: `class_id`, -1 for none of its classes; `margin` of the best class before the next one,
 summed over the `windows` of the vote; the event that completed the last window, and its time."""
+
+
+def no_verdicts() -> NDArray[np.void]:
+    """None, (0,) of dtype `VERDICT`."""
+    return np.empty(0, VERDICT)
+
+
+def classes_at(verdicts: NDArray[np.void], track_id: NDArray[np.int64], t_us: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The class of each of (n,) tracks at a time, (n,) int64: that of its last verdict until then; -1 before its first one.
+
+    Args:
+        verdicts: (k,) of dtype `VERDICT`, in chronological order.
+    """
+    found = np.full(len(track_id), -1, np.int64)
+    for track in np.intersect1d(verdicts["track_id"], track_id).tolist():
+        own, mine = verdicts[verdicts["track_id"] == track], np.flatnonzero(track_id == track)
+        place = np.searchsorted(own["t_us"], t_us[mine], "right") - 1
+        found[mine[place >= 0]] = own["class_id"][place[place >= 0]]
+    return found
 
 
 BEGIN_US = -(2**60)  # the earliest time of a record

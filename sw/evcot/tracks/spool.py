@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .column import Column, PackedColumn
-from .record import TRACK
+from .record import TRACK, no_verdicts
 
 __all__ = ["LogColumns", "LogSpool"]
 
@@ -37,6 +37,9 @@ class LogColumns(Protocol):
     @property
     def owner(self) -> Column: ...
 
+    @property
+    def verdicts(self) -> NDArray[np.void]: ...
+
 
 class LogSpool:
     """A log that grows in a folder.
@@ -47,13 +50,14 @@ class LogSpool:
         lengths: records and owners to which files that are there are cut back.
 
     Attributes:
-        engine, recording: as of `TrackLog`; to be set before the log is written.
+        engine, recording, verdicts: as of `TrackLog`; to be set before the log is written.
         records, owner: what there is so far.
     """
 
     def __init__(self, folder: Path, name: str, lengths: tuple[int, int] = (0, 0)) -> None:
         self.engine = ""
         self.recording = ""
+        self.verdicts = no_verdicts()
         self.records = PackedColumn(folder / f"{name}.records", TRACK, lengths[0])
         self.owner = PackedColumn(folder / f"{name}.owner", np.dtype(np.int16), lengths[1])
 

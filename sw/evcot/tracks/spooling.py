@@ -14,7 +14,7 @@ from ..events import Events
 from ..unfinished import CHECKPOINT_EVENTS, Unfinished
 from .spool import LogSpool
 from .tally import Tally
-from .tracking import Tracker
+from .tracking import Tracker, verdicts_of
 
 __all__ = ["Tracked", "rest_of", "track_into"]
 
@@ -75,7 +75,7 @@ def track_into(
     tally.add(records, nobody)
     if log is not None:
         log.add(records, nobody)
-        log.engine, log.recording = engine, made_of.hex()
+        log.engine, log.recording, log.verdicts = engine, made_of.hex(), verdicts_of(tracker)
     return Tracked(tracker, log, tally)
 
 

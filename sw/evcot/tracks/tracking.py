@@ -15,6 +15,7 @@ from ..digest import EventsDigest
 from ..errors import RecordingError
 from ..events import Events, Recording
 from .log import DROPPED, TRACK, TrackLog
+from .record import no_verdicts
 
 __all__ = [
     "FilteredTracker",
@@ -25,6 +26,7 @@ __all__ = [
     "log_of",
     "signed_log_of",
     "track_recording",
+    "verdicts_of",
 ]
 
 _RUN_EVENTS = 1 << 18
@@ -142,7 +144,14 @@ def log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> TrackLog:
     """Feed a recording, block by block, to a tracker before its first event; returns the log."""
     outputs = [tracker.feed(block) for block in blocks]
     records = [np.empty(0, TRACK), *(records for records, _ in outputs), tracker.finish()]
-    return TrackLog(engine, np.concatenate(records), np.concatenate([np.empty(0, np.int16), *(owner for _, owner in outputs)]))
+    owner = np.concatenate([np.empty(0, np.int16), *(owner for _, owner in outputs)])
+    return TrackLog(engine, np.concatenate(records), owner, verdicts=verdicts_of(tracker))
+
+
+def verdicts_of(tracker: Tracker) -> NDArray[np.void]:
+    """The verdicts of a tracker with a classifier, (k,) of dtype `record.VERDICT`; none of another tracker."""
+    verdicts: NDArray[np.void] = getattr(tracker, "verdicts", no_verdicts())
+    return verdicts
 
 
 def signed_log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> TrackLog:

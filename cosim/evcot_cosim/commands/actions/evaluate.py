@@ -10,6 +10,7 @@ from pathlib import Path
 
 from evcot.api import evaluate
 from evcot.errors import ConfigError, TrackLogError
+from evcot.metrics.classes import ClassScores
 from evcot.metrics.scores import Scores
 from evcot.tracks.log import TrackLog
 from evcot.tracks.parquet import LogFile
@@ -114,7 +115,21 @@ def _rows(s: Scores) -> list[tuple[str, str]]:
         ("stated velocity", _with(s.stated_velocity_error_median, "px/s median")),
         ("direction", _against_displacement(s)),
         ("latency", _with(s.latency_ms, "ms")),
+        *_class_rows(s.classes),
     ]
+
+
+def _class_rows(classes: ClassScores | None) -> list[tuple[str, str]]:
+    """Share of right classes, and the tracks of each true class by the class found."""
+    if classes is None:
+        return []
+    names = [*map(str, classes.class_ids), "none"]
+    rows = [("right class", _percent(classes.accuracy))]
+    shares = zip(classes.class_ids, classes.confusion, classes.recall, classes.precision, strict=True)
+    for name, found, recall, precision in shares:
+        shown = ", ".join(f"{count} as {other}" for other, count in zip(names, found, strict=True) if count) or "no track"
+        rows.append((f"class {name}", f"{shown}; recall {_percent(recall)}, precision {_percent(precision)}"))
+    return rows
 
 
 def _against_displacement(s: Scores) -> str:

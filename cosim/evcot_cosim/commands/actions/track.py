@@ -9,6 +9,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from evcot.errors import ConfigError
 from evcot.events import Events
@@ -20,14 +23,20 @@ from evcot.tracks.log import Kind
 from evcot.tracks.log_files import check_log_path, save_log, write_csv
 from evcot.tracks.spool import LogSpool
 from evcot.tracks.spooling import track_into
+from evcot.tracks.suffixes import PARQUET
 from evcot.tracks.tally import Tally
+from evcot.tracks.tracking import Tracker, verdicts_of
 from evcot.unfinished import unfinished
 
+from ...standard_streams import as_file
 from ...tables import print_table
 from ..options import clock_from, window_from
 from .files import open_from, say_resumed, work_key
 from .progress import Progress, counted_ahead
 from .settings import configured, filters_from, plain, save_learned, say_seen
+
+if TYPE_CHECKING:
+    from evcot.recognition.weights import Weights
 
 __all__ = ["run"]
 
@@ -52,6 +61,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         raise ConfigError(f"--checkpoint {options.checkpoint}: must not be negative")
     if options.output is not None:
         check_log_path(options.output)
+    weights = None if options.classify is None else _weights(options)
     outputs = [path for path in (options.output, options.csv, options.boxes) if path is not None]
     with open_from(options, options.recording) as file, ExitStack() as held:
         settings, filters = configured(options, file.sensor)
@@ -59,10 +69,28 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         sensor, first_us = file.sensor, file.t0_us
 
         def key() -> str:
-            return work_key(file.path, "track", options.engine, settings, filters, sensor, window, options.skip_damaged)
+            return work_key(
+                file.path,
+                "track",
+                options.engine,
+                settings,
+                filters,
+                sensor,
+                window,
+                options.skip_damaged,
+                weights and weights.checksum,
+            )
 
         # The state of another package's tracker cannot be read back safely.
         every = 0 if ENGINES[options.engine].plug_in else options.checkpoint
+
+        def start() -> Tracker:
+            if weights is None:
+                return ENGINES[options.engine].start(settings, filters, sensor)
+            from evcot.recognition.tracker import start_classifying  # with Numba
+
+            return start_classifying(options.engine, settings, filters, sensor, weights)
+
         work = held.enter_context(unfinished(outputs[0], key)) if outputs else None
         with (
             Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress,
@@ -70,10 +98,12 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         ):
             progress.note("preparing the tracker (compiled the first time, up to a minute)")
             done = track_into(
-                work, options.engine, lambda: ENGINES[options.engine].start(settings, filters, sensor),
-                _counted(file.blocks(*window, required=True), progress), every, _say(options, file),
+                work, options.engine, start, _counted(file.blocks(*window, required=True), progress), every,
+                _say(options, file),
             )  # fmt: skip
         found = _found(done.tally)
+        if weights is not None:
+            found["classified"] = len(np.unique(verdicts_of(done.tracker)["track_id"]))
         if done.log is not None:
             _write(options, done.log)
         save_learned(options)
@@ -101,6 +131,14 @@ def _text(name: str, value: float | None) -> str:
 
 def _say(options: argparse.Namespace, file: RecordingFile) -> Callable[[int], None] | None:
     return None if options.quiet else lambda events: say_resumed(file.name, events)
+
+
+def _weights(options: argparse.Namespace) -> Weights:
+    if options.output is not None and options.output.suffix.lower() == PARQUET:
+        raise ConfigError(f"-o {options.output}: Parquet does not keep verdicts: must be .npz or .csv with --classify")
+    from evcot.recognition.weights import Weights  # with Numba
+
+    return Weights.load(as_file(options.classify))
 
 
 def _write(options: argparse.Namespace, log: LogSpool) -> None:

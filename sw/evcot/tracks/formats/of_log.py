@@ -13,6 +13,7 @@ from ..boxes import upright_sides
 from ..log import TRACK, Kind, TrackLog
 from ..log_files import RecordRuns
 from ..log_parts import sampled
+from ..record import classes_at
 from .base import BOX, FRAME_MAX, NOBODY, Boxes, FrameClock
 
 __all__ = ["MAX_AGE_US", "boxes_of_log", "log_of_boxes"]
@@ -30,7 +31,8 @@ def boxes_of_log(
         until_us: the end; None: the log's last record.
 
     Returns:
-        Boxes whose ids are the track ids plus 1, since the formats count from 1.
+        Boxes whose ids are the track ids plus 1, since the formats count from 1. Their class is that of the track's last
+        verdict, -1 for none; 1 in a log without verdicts.
 
     Raises:
         ConfigError: a clock without the length of a frame.
@@ -52,6 +54,8 @@ def boxes_of_log(
     rows["width"], rows["height"] = upright_sides(states)
     rows["left"], rows["top"] = states["x"] - rows["width"] / 2, states["y"] - rows["height"] / 2
     rows["confidence"], rows["class_id"], rows["visibility"], rows["counted"] = states["confidence"], 1, 1.0, True
+    if len(log.verdicts):
+        rows["class_id"] = classes_at(log.verdicts, states["track_id"], times_us[states["sample"]])
     return Boxes(times_us, rows, sensor)
 
 

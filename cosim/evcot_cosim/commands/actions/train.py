@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot train`: labelled recordings into the weights of a classifier."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from evcot.errors import ConfigError, TrackLogError
+from evcot.hardware.config import MotionConfig
+from evcot.hardware.modules import DEFAULT_MODULE
+from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, registers_for, train, windows_of
+from evcot.trackers.presets import fit
+from evcot.trackers.settings import engine_settings
+from evcot.tracks.formats.registry import read_boxes
+
+from ...standard_streams import as_file
+from ...tables import print_table
+from .clock import clock_from
+from .opening import open_from
+from .spinner import Counting
+
+__all__ = ["run"]
+
+
+def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
+    """Train a classifier; 0."""
+    if len(options.labels) != len(options.recordings):
+        given = f"{len(options.labels)} files of labels, {len(options.recordings)} recordings"
+        raise ConfigError(f"--labels: {given}: must be one for each recording, in the same order")
+    clock = clock_from(options)
+    labels = [read_boxes(as_file(path), clock, options.labels_format) for path in options.labels]
+    registers = registers_for(labels, options.window_log2, options.margin_min)
+    parts = []
+    for path, label_path, boxes in zip(options.recordings, options.labels, labels, strict=True):
+        with open_from(options, path) as file, Counting(f"tracking {path}", enabled=not options.json) as counting:
+            run_config, filters = engine_settings(DEFAULT_MODULE, file.sensor, options.preset, options.config, mark="--")
+            config = replace(fit(run_config, *file.sensor), filters=filters).device_config(*file.sensor)
+            assert isinstance(config, MotionConfig)
+            windows = windows_of(counting.watched(file.blocks(required=True), file.t0_us), config, registers)
+        found = label_windows(windows, boxes)
+        if len(windows.t_us) and (found.class_id == UNLABELLED).all():
+            raise TrackLogError(f"{label_path}: no track of {path} is in a box: must be the labels of this recording")
+        parts.append(found)
+    with Counting("training", enabled=not options.json):
+        weights = train(LabelledWindows.of(parts), registers, config.module, options.seed)
+    weights.save(options.output, force=options.force)
+    class_id = np.concatenate([part.class_id for part in parts])
+    counts = {number: int((class_id == number).sum()) for number in weights.class_ids}
+    if options.json:
+        said = {"weights": str(options.output), "windows": {str(number): count for number, count in counts.items()}}
+        print(json.dumps(said | {"unlabelled": int((class_id == UNLABELLED).sum())}, indent=2))
+    else:
+        print_table([("class", "windows"), *((str(number), f"{count:,}") for number, count in counts.items())])
+    return 0
