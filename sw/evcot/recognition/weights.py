@@ -110,7 +110,8 @@ def _checksum(arrays: dict[str, NDArray[Any]]) -> str:
 def _read(path: Path) -> dict[str, NDArray[Any]]:
     note_input(path)
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with path.open("rb") as file:
+            archive = np.load(file, allow_pickle=False)
             if not isinstance(archive, np.lib.npyio.NpzFile):
                 raise ConfigError(f"{path}: is a single array: must be weights that evcot train wrote")
             missing = [name for name in _ARRAYS if name not in archive.files]

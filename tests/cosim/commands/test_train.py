@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot train` and `evcot track --classify` as a user meets them: squares and crosses that move."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import evcot
+from evcot_cosim.cli import main
+
+SENSOR = 200, 100
+
+
+def recorded(folder: Path, name: str, shape: int, seed: int) -> None:
+    """A square (class 0) or a cross (class 1) that moves to the right, and its labels as COCO boxes."""
+    random = np.random.default_rng(seed)
+    count = 80_000
+    t_us = np.sort(random.integers(0, 1_000_000, count))
+    along, across, side = random.uniform(-10, 10, count), random.integers(-1, 2, count), random.integers(0, 4, count)
+    edge = np.where(side < 2, 10.0, -10.0) if shape == 0 else across
+    x = 30 + t_us * 140e-6 + np.where(side % 2, along, edge)
+    y = 50 + np.where(side % 2, edge, along)
+    p = random.integers(0, 2, count)
+    events = evcot.Events(t_us, np.rint(x).astype(np.uint16), np.rint(y).astype(np.uint16), p.astype(np.uint8))
+    evcot.write(evcot.Recording(events, *SENSOR, name), folder / f"{name}.aedat4")
+    images = [{"id": k + 1, "t_us": 10_000 * k, "width": SENSOR[0], "height": SENSOR[1]} for k in range(100)]
+    boxes = [
+        {"id": k + 1, "image_id": k + 1, "category_id": shape, "bbox": [20 + 1.4 * k, 40, 20, 20], "track_id": 1}
+        for k in range(100)
+    ]
+    (folder / f"{name}.json").write_text(json.dumps({"images": images, "annotations": boxes, "categories": []}))
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with recordings a to f, of which a to d are learned, and weights."""
+    folder = tmp_path_factory.mktemp("trained")
+    for number, name in enumerate("abcdef"):
+        recorded(folder, name, number % 2, number)
+    files = [[str(folder / f"{name}.{suffix}") for name in "abcd"] for suffix in ("aedat4", "json")]
+    assert main(["train", *files[0], "--labels", *files[1], "-o", str(folder / "w.npz"), "--window-log2", "8"]) == 0
+    return folder
+
+
+@pytest.mark.parametrize(("name", "class_id"), [("e", 0), ("f", 1)])
+def test_tracks_get_the_class_of_their_object(
+    trained: Path, tmp_path: Path, name: str, class_id: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, boxes, table = tmp_path / "log.npz", tmp_path / "boxes.json", tmp_path / "log.csv"
+    outputs = ["-o", str(log), "--csv", str(table), "--boxes", str(boxes), "--frame-us", "10000"]
+    recording = str(trained / f"{name}.aedat4")
+    assert main(["track", recording, "--classify", str(trained / "w.npz"), *outputs, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["classified"] == 1
+    found = evcot.TrackLog.load(log)
+    assert found.verdicts["class_id"][-1] == class_id
+    assert [row.split(",")[-1] for row in (table.read_text().splitlines()[k] for k in (0, 1, -1))] == [
+        "class_id",
+        "-1",
+        str(class_id),
+    ]
+    assert {row["category_id"] for row in json.loads(boxes.read_text())["annotations"]} == {-1, class_id}
+    same = evcot.track(recording, classify=trained / "w.npz")
+    assert np.array_equal(same.verdicts, found.verdicts)
+    assert main(["evaluate", str(log), "--truth", str(trained / f"{name}.json"), "--json"]) == 0
+    classes = json.loads(capsys.readouterr().out)["classes"]
+    assert (classes["class_ids"], classes["accuracy"]) == ([class_id], 1.0)
+    assert main(["evaluate", str(log), "--truth", str(trained / f"{name}.json")]) == 0
+    assert f"1 as {class_id}; recall 100 %, precision 100 %" in capsys.readouterr().out
+
+
+def test_a_margin_that_nothing_reaches_gives_none_of_the_classes(trained: Path, tmp_path: Path) -> None:
+    files = [[str(trained / f"{name}.{suffix}") for name in "abcd"] for suffix in ("aedat4", "json")]
+    strict = str(tmp_path / "strict.npz")
+    assert main(["train", *files[0], "--labels", *files[1], "-o", strict, "--window-log2", "8", "--margin-min", "255"]) == 0
+    found = evcot.track(trained / "e.aedat4", classify=strict).verdicts
+    assert set(found["class_id"][found["margin"] < 255 * found["windows"]]) == {-1}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["train", "a.aedat4", "--labels", "a.json", "b.json"], "2 files of labels, 1 recordings: must be one for each"),
+        (["train", "a.aedat4", "--labels", "a.json"], "labels have 1 classes in the tracks found: must be 2 to 10"),
+        (["train", "a.aedat4", "--labels", "far.json"], "far.json: no track of a.aedat4 is in a box"),
+        (
+            ["train", "a.aedat4", "b.aedat4", "--labels", "a.json", "b.json", "--window-log2", "12"],
+            " windows: must be at least 50",
+        ),
+        (["train", "a.aedat4", "--labels", "a.json", "--window-log2", "13"], "recognition.window_log2 = 13"),
+        (["train", "a.aedat4", "--labels", "a.json", "--margin-min", "256"], "recognition.margin_min = 256"),
+        (["train", "a.aedat4", "--labels", "a.json", "--seed", "-1"], "seed = -1: must be an integer"),
+        (["track", "a.aedat4", "--engine", "rct", "--classify", "w.npz"], "engine rct: must be cot_motion, the tracker of"),
+        (["track", "a.aedat4", "--classify", "a.json"], "a.json: is damaged, or no npz file: must be weights"),
+        (["track", "a.aedat4", "--classify", "w.npz"], None),
+    ],
+)
+def test_a_mistake_is_one_line_and_writes_nothing(
+    trained: Path,
+    arguments: list[str],
+    message: str | None,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(trained)
+    far = json.loads(Path("a.json").read_text())
+    for box in far["annotations"]:
+        box["bbox"] = [0, 0, 5, 5]
+    Path("far.json").write_text(json.dumps(far))
+    output = "out.parquet" if message is None else "out.npz"
+    assert main([*arguments, "-o", output]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert (message or "Parquet does not keep verdicts: must be .npz or .csv with --classify") in said[0]
+    assert not Path(output).exists()
+    assert not list(Path().glob(".*"))
