@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How often the classifier is right: digits that a camera saw (N-MNIST), four at once, each carried along a path.
 
-    python benchmarks/recognition.py                  # 8 folds of 100 samples; validation
-    python benchmarks/recognition.py --folds 0 1      # some of them
+    python benchmarks/recognition.py           # 8 folds of 100 samples; validation
+    python benchmarks/recognition.py --all     # also what costs how much, a baseline, and other objects
 
 The network of a fold is trained on windows that the tracker has found of the other 700 samples, of both kinds together.
 A track's class is that of its last verdict; its true class that of the labelled box which most of its windows lie in.
@@ -11,24 +11,28 @@ A track's class is that of its last verdict; its true class that of the labelled
 from __future__ import annotations
 
 import argparse
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+import evcot
 from evcot.events import Events, Recording
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.model import Decisions
 from evcot.metrics.truth import GroundTruth
 from evcot.recognition.contract import HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
-from evcot.recognition.tracker import WindowTracker, joined
+from evcot.recognition.tracker import TrackWindows, WindowTracker, joined
+from evcot.recognition.training import _LOGITS as LOGITS
+from evcot.recognition.training import _SCALE as SCALE
 from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, train
+from evcot.recognition.training import _fitted as fitted
 from evcot.recognition.weights import Weights
 from evcot.trackers.presets import MOTION, fit
 from evcot.tracks.formats.base import BOX, Boxes
 from field.digits import digit_labels, digits
+from field.transforms import poisson_noise
 
 WAYS = "apart", "crossing"
 FOLDS, AT_ONCE = 8, 4
@@ -124,68 +128,138 @@ def losses(weights: Weights, images: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 class Score(NamedTuple):
-    """Right windows and tracks, and of how many; `by_track` is (tracks, 3): true class, class found, margin per window."""
+    """Right windows, right tracks; `by_track` is (tracks, 3): true class, class found, margin per window."""
 
     windows: float
     tracks: float
     by_track: NDArray[np.float64]
 
 
-def score(weights: Weights, windows: LabelledWindows) -> Score:
+Scores = dict[str, list[Score]]
+
+
+def score(loss: NDArray[np.float64], class_ids: NDArray[np.int64], windows: LabelledWindows) -> Score:
     """Score windows that the network has not seen: a track's class is that of all its windows together."""
-    loss = losses(weights, windows.images)
-    known = np.array(weights.class_ids)
     labelled = windows.class_id != UNLABELLED
-    right = known[loss.argmin(axis=1)] == windows.class_id
+    right = class_ids[loss.argmin(axis=1)] == windows.class_id
     rows = []
     for track in np.unique(windows.track_id):
         own = windows.track_id == track
         classes, counts = np.unique(windows.class_id[own], return_counts=True)
         votes = np.sort(vote := loss[own].sum(axis=0))
-        rows.append((classes[np.argmax(counts)], known[vote.argmin()], (votes[1] - votes[0]) / own.sum()))
+        rows.append((classes[np.argmax(counts)], class_ids[vote.argmin()], (votes[1] - votes[0]) / own.sum()))
     table = np.array(rows)
     objects = table[table[:, 0] != UNLABELLED]
-    return Score(float(right[labelled].mean()), float((objects[:, 0] == objects[:, 1]).mean()), table)
+    shares = float(right[labelled].mean()) if labelled.any() else 0.0, float((objects[:, 0] == objects[:, 1]).mean())
+    return Score(*shares, table)
 
 
-Scores = dict[str, list[Score]]
+Learner = Callable[[LabelledWindows, int], Callable[[NDArray[np.uint8]], NDArray[np.float64]]]
+"""From windows and a seed to the loss of each class, 0 to 9, in each of other windows."""
 
 
-def validate(found: Sequence[Found], folds: Sequence[int], registers: RecognitionRegisters, seed: int) -> Scores:
+def int8(windows: LabelledWindows, seed: int) -> Callable[[NDArray[np.uint8]], NDArray[np.float64]]:
+    """The classifier."""
+    weights = train(windows, RecognitionRegisters(), "cot_motion", seed)
+    return lambda images: losses(weights, images).astype(np.float64)
+
+
+def in_float(windows: LabelledWindows, seed: int) -> Callable[[NDArray[np.uint8]], NDArray[np.float64]]:
+    """The same network before it is quantised."""
+    target = np.unique(windows.class_id[windows.class_id != UNLABELLED], return_inverse=True)[1]
+    inputs = windows.images[windows.class_id != UNLABELLED].astype(np.float32) / SCALE
+    w1, w2 = fitted(inputs, target, 10, np.random.default_rng(seed))
+
+    def loss(images: NDArray[np.uint8]) -> NDArray[np.float64]:
+        scores = np.maximum(images.astype(np.float32) / SCALE @ w1, 0) @ w2
+        return np.minimum(scores.max(axis=1, keepdims=True) - scores, LOGITS).astype(np.float64)
+
+    return loss
+
+
+def pca_and_neighbours(windows: LabelledWindows, _seed: int) -> Callable[[NDArray[np.uint8]], NDArray[np.float64]]:
+    """Baseline in the manner of PCA-RECT: 40 principal components, and the classes of the 15 nearest windows."""
+    from sklearn.decomposition import PCA
+    from sklearn.neighbors import KNeighborsClassifier
+
+    labelled = windows.class_id != UNLABELLED
+    images = windows.images[labelled].astype(np.float32)
+    components = PCA(40, random_state=0).fit(images)
+    nearest = KNeighborsClassifier(15).fit(components.transform(images), windows.class_id[labelled])
+    return lambda others: -nearest.predict_proba(components.transform(others.astype(np.float32)))
+
+
+def validate(found: Sequence[Found], scored: Sequence[Found], folds: Sequence[int], learner: Learner, seed: int) -> Scores:
     """Train on all folds but one, score that one; for each of `folds`."""
     scores: Scores = {way: [] for way in WAYS}
     for fold in folds:
-        weights = train(LabelledWindows.of([one.windows for one in found if one.fold != fold]), registers, "cot_motion", seed)
-        for one in found:
+        loss = learner(LabelledWindows.of([one.windows for one in found if one.fold != fold]), seed)
+        for one in scored:
             if one.fold == fold:
-                scores[one.way].append(score(weights, one.windows))
+                scores[one.way].append(score(loss(one.windows.images), np.arange(10), one.windows))
     return scores
 
 
 def print_scores(name: str, scores: Scores) -> None:
-    """Means over folds, with standard errors of the tracks' share."""
+    """Means over folds, with standard errors of the share of tracks."""
     for way, own in scores.items():
         tracks = np.array([one.tracks for one in own])
         error = tracks.std(ddof=1) / len(tracks) ** 0.5 if len(tracks) > 1 else float("nan")
         count = sum(len(one.by_track) for one in own)
         windows = np.mean([one.windows for one in own])
-        print(f"{name:16s} {way:9s} windows {windows:.3f}  tracks {tracks.mean():.4f} +- {error:.4f} of {count}", flush=True)
+        print(f"{name:18s} {way:9s} windows {windows:.3f}  tracks {tracks.mean():.4f} +- {error:.4f} of {count}", flush=True)
+
+
+def strangers(name: str, seed: int) -> TrackWindows:
+    """Windows of the tracks in a recording without digits: a scene's, or noise."""
+    if name == "noise":
+        random = np.random.default_rng(seed)
+        recording = Recording(poisson_noise((346, 260), (0, 4_000_000), 10.0, random), 346, 260, name)
+    else:
+        recording = evcot.simulate(name, seed=seed).recording
+    tracker = WindowTracker(config_for(recording), RecognitionRegisters())
+    return joined([tracker.windows(block) for block in in_blocks(recording.events)])
+
+
+def print_strangers(found: Sequence[Found], scores: Scores, seed: int) -> None:
+    """Tracks of other things that get a class, at the margin that 0.95 of the tracks of digits reach."""
+    margins = np.concatenate([one.by_track[:, 2] for own in scores.values() for one in own])
+    least = float(np.quantile(margins, 0.05))
+    loss = int8(LabelledWindows.of([one.windows for one in found]), seed)
+    print(f"margin per window that 0.95 of the tracks reach: {least:.1f}")
+    for name in ("noise", "discs", "boxes", "insects", "highway"):
+        windows = strangers(name, 1)
+        tracks = np.unique(windows.states["track_id"])
+        votes = np.array([np.sort(loss(windows.images[windows.states["track_id"] == track]).mean(axis=0)) for track in tracks])
+        named = int((votes[:, 1] - votes[:, 0] >= least).sum()) if len(tracks) else 0
+        print(f"{name:10s} {named} of {len(tracks)} tracks with a verdict are called a digit", flush=True)
 
 
 def main() -> None:
-    """Validation, and what recentring costs."""
+    """Validation; what recentring and eight bits cost; a baseline; other objects."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--folds", type=int, nargs="+", default=list(range(FOLDS)))
-    parser.add_argument("--draw", type=int, default=1, help="seed of the paths")
+    parser.add_argument("--draws", type=int, nargs="+", default=[1, 2], help="seeds of the paths; the first is scored")
     parser.add_argument("--seed", type=int, default=1, help="seed of the training")
-    parser.add_argument("--truth-centred", action="store_true")
+    parser.add_argument("--all", action="store_true", help="also float, truth-centred, baseline, other objects (10 minutes)")
     options = parser.parse_args()
-    registers = RecognitionRegisters()
-    for truth_centred in (False, True) if options.truth_centred else (False,):
-        begin_s = time.perf_counter()
-        found = [found_in(fold, way, options.draw, registers, truth_centred) for way in WAYS for fold in range(FOLDS)]
-        print(f"{sum(len(one.windows.images) for one in found)} windows in {time.perf_counter() - begin_s:.0f} s")
-        print_scores("truth-centred" if truth_centred else "tracker", validate(found, options.folds, registers, options.seed))
+
+    def found(truth_centred: bool) -> tuple[list[Found], list[Found]]:
+        registers = RecognitionRegisters()
+        per_draw = [
+            [found_in(fold, way, draw, registers, truth_centred) for way in WAYS for fold in range(FOLDS)]
+            for draw in options.draws
+        ]
+        return [one for of_draw in per_draw for one in of_draw], per_draw[0]
+
+    windows = found(False)
+    scores = validate(*windows, options.folds, int8, options.seed)
+    print_scores("tracker", scores)
+    if options.all:
+        print_strangers(windows[0], scores, options.seed)
+        print_scores("float", validate(*windows, options.folds, in_float, options.seed))
+        print_scores("PCA, neighbours", validate(*windows, options.folds, pca_and_neighbours, options.seed))
+        print_scores("truth-centred", validate(*found(True), options.folds, int8, options.seed))
 
 
 if __name__ == "__main__":

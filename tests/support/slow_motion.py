@@ -399,7 +399,7 @@ class SlowArray:
 
     Attributes:
         records: (seq, time, kind, id, other id, middle x, y, sides x, y, velocity x, y, support, n_ev, slot).
-        owners: of each event.
+        owners: of each event; `of_tracks`: whether its owner is visible.
         jobs: what the hardware computes them from, and what takes effect later, in order.
     """
 
@@ -408,6 +408,7 @@ class SlowArray:
         self.slots: list[Slot | None] = [None] * n_slots
         self.records: list[Record] = []
         self.owners: list[int] = []
+        self.of_tracks: list[bool] = []
         self.births = 0
         self.seeded: Slot | None = None  # has begun, and is not in effect
         self.jobs: list[tuple[dict[str, Any], dict[str, Any]]] = []
@@ -432,12 +433,14 @@ class SlowArray:
             self.step_tick, self.step_slot = next(self.steps)
         if not kept:
             self.owners.append(DROPPED)
+            self.of_tracks.append(False)
             return
         self.came = True
         self._take_effect(number, now)
         in_burst = self.latest == [now] * 16
         self.latest = [*self.latest, now][-16:]
         slot, shared = self._owner((x, y))
+        self.of_tracks.append(slot is not None and slot.visible_seen)
         if slot is None and self.seeded is None:
             slot = self._seed((x, y), now)
         elif slot is not None and slot.take((x, y), shared, self.support_max, in_burst):

@@ -18,6 +18,9 @@ from .config import HardwareConfig
 __all__ = ["Decisions", "GoldenModel"]
 
 
+_UNKNOWN = np.zeros(0, np.bool_)
+
+
 class Decisions(NamedTuple):
     """The result of a run of events.
 
@@ -27,14 +30,14 @@ class Decisions(NamedTuple):
             filter dropped it.
         rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), of cot_motion half pixels from the
             middle of its owner's box, modulo 2^shape.rel_w; 0 without an owner.
-        visible: (n,) bool, of cot_motion: whether a visible slot owns the event. None: not known, from compiled hardware.
+        visible: (n,) bool, of cot_motion: whether a visible slot owns the event. Empty: not known, from compiled hardware.
     """
 
     records: NDArray[np.void]
     owner: NDArray[np.int16]
     rel_x: NDArray[np.uint16]
     rel_y: NDArray[np.uint16]
-    visible: NDArray[np.bool_] | None = None
+    visible: NDArray[np.bool_] = _UNKNOWN
 
 
 class GoldenModel(ABC):

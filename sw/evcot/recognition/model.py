@@ -92,7 +92,7 @@ class Windows:
         Raises:
             ConfigError: they do not, as those of a tracker without boxes.
         """
-        if decided.visible is None:
+        if len(decided.visible) != len(decided.owner):
             raise ConfigError("decisions have no `visible`: must be those of the golden model of cot_motion")
         done = 0
         registers = self._registers

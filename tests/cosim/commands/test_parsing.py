@@ -27,8 +27,8 @@ Capture = pytest.CaptureFixture[str]
 _NUMBERS = (int, float, milliseconds, region)
 # Text that names no file: every other argument without a type of its own is refused here.
 _NO_FILES = {
-    "around", "bind", "boxes_format", "clock", "field", "format", "kind", "log_format", "objective", "only", "port", "preset",
-    "scheduler", "sensor", "set", "source_format", "struct", "truth_format",
+    "around", "bind", "boxes_format", "clock", "field", "format", "kind", "labels_format", "log_format", "objective",
+    "only", "port", "preset", "scheduler", "sensor", "set", "source_format", "struct", "truth_format",
 }  # fmt: skip
 
 

@@ -38,7 +38,6 @@ def decisions(events: list[OwnedEvent]) -> Decisions:
 
 
 def part(decided: Decisions, begin: int, end: int) -> Decisions:
-    assert decided.visible is not None
     columns = (column[begin:end] for column in decided[1:])
     return Decisions(decided.records, *columns)
 
@@ -167,4 +166,4 @@ def test_a_register_outside_its_range_is_refused(name: str, value: int) -> None:
 
 def test_decisions_without_visible_are_refused() -> None:
     with pytest.raises(ConfigError, match="decisions have no `visible`"):
-        list(Windows(SHORT, 1, REL_W).feed(decisions(of_one_slot(1))._replace(visible=None)))
+        list(Windows(SHORT, 1, REL_W).feed(decisions(of_one_slot(1))._replace(visible=np.zeros(0, np.bool_))))

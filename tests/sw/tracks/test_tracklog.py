@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from evcot.errors import EvcotError, OutputError, TrackLogError
-from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.log import TRACK, VERDICT, Kind, TrackLog
 from evcot.tracks.tally import IdSet, Tally
 
 
@@ -50,6 +51,39 @@ def test_the_same_log_gives_the_same_bytes(log: TrackLog, tmp_path: Path) -> Non
     for name in ("a.npz", "b.npz"):
         log.save_npz(tmp_path / name)
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+@pytest.fixture
+def verdicts() -> np.ndarray:
+    """Track 0 is a 7, and later none of the classes."""
+    made = np.zeros(2, VERDICT)
+    made["t_us"], made["class_id"], made["margin"], made["windows"] = (0, 10**14), (7, -1), (40, 3), (1, 2)
+    return made
+
+
+def test_verdicts_come_back_and_are_in_the_csv(log: TrackLog, verdicts: np.ndarray, tmp_path: Path) -> None:
+    own = replace(log, verdicts=verdicts)
+    own.save_npz(tmp_path / "log.npz")
+    np.testing.assert_array_equal(TrackLog.load_npz(tmp_path / "log.npz").verdicts, verdicts)
+    own.write_csv(tmp_path / "log.csv")
+    with (tmp_path / "log.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    t_us = log.records["t_us"]
+    assert [int(row["class_id"]) for row in rows] == np.where((t_us >= 0) & (t_us < 10**14), 7, -1).tolist()
+
+
+def test_verdicts_are_not_lost_in_parquet(log: TrackLog, verdicts: np.ndarray, tmp_path: Path) -> None:
+    with pytest.raises(TrackLogError, match=r"log.parquet: the log has verdicts, which Parquet does not keep: must be"):
+        replace(log, verdicts=verdicts).save(tmp_path / "log.parquet")
+    assert not list(tmp_path.iterdir())
+
+
+def test_verdicts_of_another_type_are_refused(log: TrackLog, tmp_path: Path) -> None:
+    log.save_npz(tmp_path / "log.npz")
+    with np.load(tmp_path / "log.npz") as archive:
+        np.savez(tmp_path / "other.npz", **archive, verdicts=np.zeros(3))
+    with pytest.raises(TrackLogError, match=r"other.npz: verdicts is 1-d float64: must be 1-d"):
+        TrackLog.load_npz(tmp_path / "other.npz")
 
 
 def test_csv_is_exact_and_names_the_kinds(log: TrackLog, tmp_path: Path) -> None:

@@ -49,6 +49,9 @@ def test_equals_a_slow_model(name: str, seed: int) -> None:
     for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
         slow.event(at, x, y)
     assert model.owner.tolist() == slow.owners
+    assert model.visible.tolist() == slow.of_tracks
+    assert any(slow.of_tracks)
+    assert not all(slow.of_tracks)
     assert as_tuples(model.records) == slow.records
     assert len(slow.records) > 0
 
@@ -122,7 +125,7 @@ def test_the_scenes_show_every_kind_of_record_and_shared_events() -> None:
 
 
 def same(a: Decisions, b: Decisions) -> None:
-    for name in ("records", "owner", "rel_x", "rel_y"):
+    for name in ("records", "owner", "rel_x", "rel_y", "visible"):
         assert np.array_equal(getattr(a, name), getattr(b, name)), name
 
 
