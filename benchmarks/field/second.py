@@ -136,7 +136,7 @@ def _truth(scenery: Scenery, sensor: tuple[int, int]) -> GroundTruth:
             speed = (moved.get(one.number, middle) - middle) * 1e3
             part = visible[one.number] / max(ConvexHull(one.outline).volume, 1.0)
             counted = part >= _LEAST_SEEN and size.min() >= _LEAST_PX
-            objects.append((frame, one.number, *middle, *size, *speed, counted))
+            objects.append((frame, one.number, *middle, *size, *speed, counted, -1))
     return GroundTruth(instants_us, np.array(objects, OBJECT), tuple(map(str, range(scenery.count))))
 
 
