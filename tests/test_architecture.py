@@ -19,8 +19,8 @@ ROOMS = {
     "evcot": (
         "_lazy", "_stale_kernels", "_numba_private", "bits", "_zstd", "errors", "ranges", "toml_file", "outputs",
         "templating", "dataframes", "page", "structured", "_sound_kernel", "events", "digest", "ticks", "unfinished",
-        "compiling", "recordings",
-        "filters", "hough", "tracks", "hardware", "trackers", "scenes", "metrics", "recognition", "pictures", "api", "anomalies",
+        "compiling", "recordings", "filters",
+        "hough", "tracks", "hardware", "trackers", "scenes", "metrics", "recognition", "pictures", "api", "anomalies",
         "__main__",
     ),
     "evcot_cosim": (

@@ -20,8 +20,7 @@ from evcot.tracks.formats.registry import read_boxes
 
 from ...standard_streams import as_file
 from ...tables import print_table
-from .clock import clock_from
-from .opening import open_from
+from .files import clock_from, open_from
 from .spinner import Counting
 
 __all__ = ["run"]
