@@ -20,7 +20,8 @@ from evcot.tracks.formats.registry import read_boxes
 
 from ...standard_streams import as_file
 from ...tables import print_table
-from .files import clock_from, open_from
+from ..options import clock_from
+from .files import open_from
 from .spinner import Counting
 
 __all__ = ["run"]
