@@ -14,6 +14,7 @@ from evcot.filters.config import FilterConfig
 from evcot.filters.contract import CELL_STAMP_W, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot.ticks import TickedEvents
+from support.refusals import refused
 from support.tokens import ticked
 
 SIDES = list(CELL_STAMP_W)
@@ -128,12 +129,12 @@ class TestUnits:
 
     def test_a_refractory_time_below_a_unit_is_refused(self) -> None:
         config = FilterConfig(refractory_us=300, activity_us=10_000, cell_px=4)
-        with pytest.raises(ConfigError) as caught:
-            config.registers(1)
-        assert str(caught.value) == (
+        with refused(
+            ConfigError,
             "filters.refractory_us = 300: must be at least 512, one unit of stamps of 5 bits that reach activity_us = 10000; "
-            "or a smaller cell_px"
-        )
+            "or a smaller cell_px",
+        ):
+            config.registers(1)
         assert replace(config, refractory_us=512).registers(1).stamp_shift == 9
         assert replace(config, cell_px=2).registers(1).stamp_shift == 7
 
@@ -153,6 +154,5 @@ class TestUnits:
     ) -> None:
         regs, shape = FilterRegisters(refractory_ticks=4, stamp_shift=2), FilterShape(cell_px=2)
         FilterChain(replace(regs, **changed), shape)  # type: ignore[arg-type]
-        with pytest.raises(ConfigError) as caught:
+        with refused(ConfigError, f"filters.{message}"):
             FilterChain(replace(regs, enable=BOTH, **changed), shape)  # type: ignore[arg-type]
-        assert str(caught.value) == f"filters.{message}"

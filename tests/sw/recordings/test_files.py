@@ -18,10 +18,12 @@ from evcot.errors import ConfigError, OutputError, RecordingError, RecordingWarn
 from evcot.events import Events, Recording
 from evcot.recordings.files import Damage, format_for, open_recording, read_recording, write_events, write_recording
 from evcot.recordings.formats import WRITABLE, formats, text
+from support.refusals import refused
+
+from .formats.reading import assert_same, refusal
 
 WIDTH, HEIGHT = 64, 48
 EPOCH_US = 1_718_925_184_590_631
-FIELDS = {"t_us": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
 
 
 def make_events(t_us: np.ndarray) -> Events:  # type: ignore[type-arg]
@@ -46,22 +48,6 @@ STORIES = {
     "equal times": make_events(EPOCH_US + np.sort(np.random.default_rng(1).integers(0, 99, 3000))),
     "gaps of a minute": steps((50, 1), (1, 60_000_000), (50, 7), (2, 60_000_000), (50, 0)),
 }
-
-
-def assert_same(got: Events, wanted: Events) -> None:
-    for field, dtype in FIELDS.items():
-        assert getattr(got, field).dtype == dtype
-        np.testing.assert_array_equal(getattr(got, field), getattr(wanted, field))
-
-
-def refusal(path: Path | str, sensor: tuple[int, int] | None = None) -> str:
-    """The one line with which a file is refused, without the file's name that it starts with."""
-    with pytest.raises(RecordingError) as caught:
-        read_recording(path, sensor)
-    message = str(caught.value)
-    assert message.startswith(f"{path}: ")
-    assert message.isprintable()
-    return message.removeprefix(f"{path}: ")
 
 
 def csv(path: Path, *rows: str) -> Path:
@@ -128,9 +114,8 @@ class TestEveryWritableFormat:
             ([late, good], f"event 5: t = {EPOCH_US} us follows t = {EPOCH_US + 1004} us: time must not run back"),
             ([good, wrong], f"event 10: x = {wrong.x[0]}: must be below the sensor's {WIDTH}"),
         ):
-            with pytest.raises(RecordingError) as caught:
+            with refused(RecordingError, f"{path}: {message}"):
                 write_events(path, (WIDTH, HEIGHT), blocks, name, force=True)
-            assert str(caught.value) == f"{path}: {message}"
         with pytest.raises(RecordingError, match="sensor 0x48: each side must be from 1 to 65536 pixels"):
             write_events(path, (0, HEIGHT), [good], name, force=True)
         assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"older"]
@@ -168,7 +153,7 @@ def test_the_smallest_sensor_that_fits_is_assumed_where_none_is_stated(tmp_path:
     with open_recording(path, (100, 50)) as file:
         assert not file.assumes_sensor
         assert file.sensor == (100, 50)
-    assert refusal(path, (0, 50)) == "sensor 0x50: each side must be from 1 to 65536 pixels"
+    assert refusal(path, sensor=(0, 50)) == "sensor 0x50: each side must be from 1 to 65536 pixels"
 
 
 def test_an_open_file_can_be_read_again_and_twice_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -197,7 +182,7 @@ def test_damage_is_refused_or_left_out_and_counted(tmp_path: Path) -> None:
         tmp_path / "a.csv",
         *("90010,1,1,1", "90011,9,1,1", "90012,1,1,2", "80009,1,1,0", "90012,1,8,0", "90020,2,1,0", "19,2,1,0", "90030,1,1,1"),
     )
-    assert refusal(path, (9, 8)) == "event 1: x = 9: must be below the sensor's 9"
+    assert refusal(path, sensor=(9, 8)) == "event 1: x = 9: must be below the sensor's 9"
     with pytest.warns(RecordingWarning) as caught, open_recording(path, (9, 8), damage="skip") as file:
         events = file.read().events
     assert events.t_us.tolist() == [90_010, 90_020, 90_030]
@@ -266,7 +251,7 @@ def test_a_time_that_runs_back_a_little_is_held_and_told(
 
 def test_what_runs_back_a_little_and_what_runs_back_far_are_told_apart(tmp_path: Path) -> None:
     path = csv(tmp_path / "a.csv", "10,1,1,1", "20010,2,1,1", "20000,3,1,0", "10009,4,1,1", "20005,9,1,0", "20006,5,1,1")
-    assert refusal(path, (9, 8)) == "event 3: t = 10009 us follows t = 20010 us: time must not run back"
+    assert refusal(path, sensor=(9, 8)) == "event 3: t = 10009 us follows t = 20010 us: time must not run back"
     with pytest.warns(RecordingWarning) as caught, open_recording(path, (9, 8), damage="skip") as file:
         events = file.read().events
     assert (events.t_us.tolist(), events.x.tolist()) == ([10, 20_010, 20_010, 20_010], [1, 2, 3, 5])
@@ -294,38 +279,21 @@ def test_a_window_before_the_damage_is_whole(tmp_path: Path, monkeypatch: pytest
         assert read_recording(path, (5, 5), to_us=2).events.t_us.tolist() == [10, 11]
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (b"", "is empty"),
-        (b"\x00\x01\x02\x03", f"has an unknown format: must be one of {', '.join(kind.title for kind in formats())}"),
-        (b"t,x,y,p\n", "holds no events"),
-    ],
-)
-def test_what_is_no_recording_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
-    path = tmp_path / "file"
-    path.write_bytes(content)
-    assert refusal(path) == message
-
-
-def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
+    formats_ = ", ".join(kind.title for kind in formats())
+    assert refusal(tmp_path / "file", b"") == "is empty"
+    assert refusal(tmp_path / "file", b"\x00\x01\x02\x03") == f"has an unknown format: must be one of {formats_}"
+    assert refusal(tmp_path / "file", b"t,x,y,p\n") == "holds no events"
     assert refusal(tmp_path / "absent.raw") == "cannot be read: No such file or directory"
     assert refusal(tmp_path) == "is a directory, and no ROS 2 bag: has no metadata.yaml"
-    assert refusal("/dev/null") == "is a device or a pipe: must be a file"
     os.mkfifo(tmp_path / "pipe")
-    assert refusal(tmp_path / "pipe") == "is a device or a pipe: must be a file"
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may read any file")
-def test_an_unreadable_file_is_refused(tmp_path: Path) -> None:
-    path = csv(tmp_path / "events.csv", "1,2,3,1")
-    path.chmod(0)
-    assert refusal(path) == "cannot be read: Permission denied"
-
-
-def test_a_file_that_vanishes_is_refused(tmp_path: Path) -> None:
+    for path in (Path("/dev/null"), tmp_path / "pipe"):
+        assert refusal(path) == "is a device or a pipe: must be a file"
     path = csv(tmp_path / "events.csv", "1,2,3,1")
     with open_recording(path) as file:
+        path.chmod(0)
+        if os.geteuid():  # root may read any file
+            assert refusal(path) == "cannot be read: Permission denied"
         path.unlink()
         with pytest.raises(RecordingError, match=r"events\.csv: cannot be read: No such file or directory"):
             file.read()

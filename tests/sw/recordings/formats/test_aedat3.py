@@ -11,16 +11,15 @@ import pytest
 
 from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Events
-from evcot.recordings.files import open_recording, read_recording
+from evcot.recordings.files import open_recording
 from evcot.recordings.formats.aedat3 import Aedat3File, _Piece
 from evcot.recordings.formats.source import BLOCK_EVENTS
 
 from .fuzzing import fuzz
+from .reading import Row, read, refusal, rows_of
 
 SPECIAL, POLARITY, FRAME, IMU6 = 0, 1, 2, 3
 TURN = 1 << 31
-
-Row = tuple[int, int, int, int]  # t_us, x, y, p
 
 
 def header(*sources: str, lines: str = "#Format: RAW\r\n") -> bytes:
@@ -48,21 +47,6 @@ def make_rows(count: int, start_us: int = 0) -> list[Row]:
     random = np.random.default_rng(41)
     columns = (start_us + np.sort(random.integers(0, 3 * count, count)), *random.integers(0, 128, (2, count)))
     return list(zip(*(column.tolist() for column in (*columns, random.integers(0, 2, count))), strict=True))
-
-
-def rows(events: Events) -> list[Row]:
-    return list(zip(*(getattr(events, name).tolist() for name in ("t_us", "x", "y", "p")), strict=True))
-
-
-def read(path: Path, content: bytes, **options: object) -> list[Row]:
-    path.write_bytes(content)
-    return rows(read_recording(path, **options).events)  # type: ignore[arg-type]
-
-
-def refusal(path: Path, content: bytes) -> str:
-    with pytest.raises(RecordingError) as caught:
-        read(path, content)
-    return str(caught.value).removeprefix(f"{path}: ")
 
 
 @pytest.fixture
@@ -114,9 +98,6 @@ def test_events_come_from_the_source_that_sends_the_first(path: Path) -> None:
 def test_time_has_31_bits_and_a_count_of_turns(path: Path) -> None:
     content = header() + polarity([(TURN - 2, 1, 1, 1)]) + polarity([(3, 1, 1, 0)], turns=1) + polarity([(5, 1, 1, 1)], turns=3)
     assert [row[0] for row in read(path, content)] == [TURN - 2, TURN + 3, 3 * TURN + 5]
-
-
-def test_a_reset_of_time_is_left_for_the_reader_s_rules(path: Path) -> None:
     content = header() + polarity([(100, 1, 1, 1), (20_200, 1, 1, 1)]) + polarity([(0, 1, 1, 1)])
     assert refusal(path, content) == "event 2: t = 0 us follows t = 20200 us: time must not run back"
 
@@ -138,10 +119,10 @@ def test_a_window_reads_no_packet_that_ends_before_it(path: Path, monkeypatch: p
 
     source = Aedat3File(path)
     monkeypatch.setattr(Aedat3File, "_decode", counting)
-    assert rows(Events.joined(source.blocks(expected[750][0]))) == expected[700:]
+    assert rows_of(Events.joined(source.blocks(expected[750][0]))) == expected[700:]
     assert len(read_at) == 3
     last = [row for row in expected[900:] if row[0] == expected[-1][0]]
-    assert rows(Events.joined(source.blocks(expected[-1][0])))[-len(last) :] == last
+    assert rows_of(Events.joined(source.blocks(expected[-1][0])))[-len(last) :] == last
 
 
 def test_small_packets_come_in_blocks_and_a_large_one_too(path: Path) -> None:
@@ -161,6 +142,11 @@ GOOD = polarity([(1, 1, 1, 1)])
 START = len(header())
 
 
+def packet_head(*fields: int) -> bytes:
+    """Fields of a packet's header behind type and source."""
+    return header() + struct.pack("<hh6i", 1, 1, *fields)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -172,51 +158,33 @@ START = len(header())
         (header()[:30], "header line at byte 28: must start with # and end in a newline; is it cut off?"),
         (header()[:28] + GOOD, "header line at byte 28: must start with # and end in a newline; is it cut off?"),
         (header() + GOOD[:20], f"ends within the header of a packet, at byte {START + 20}; is it cut off?"),
-        (
-            header() + GOOD[:-1],
-            f"packet at byte {START} goes beyond byte {START + 35}, the file's end; is it cut off or damaged?",
-        ),
-        (
-            header() + struct.pack("<hh6i", 1, 1, 8, 4, 0, 1 << 30, 1 << 30, 1),
-            f"packet at byte {START} goes beyond byte {START + 28}, the file's end; is it cut off or damaged?",
-        ),
-        (
-            header() + struct.pack("<hh6i", 1, 1, 8, 4, 0, 1, -1, 1),
-            f"packet at byte {START}: 1 valid events of -1 of at most 1, 8 bytes each, after 0 turns of time: "
-            "must not be negative, and valid <= events <= capacity",
-        ),
-        (
-            header() + struct.pack("<hh6i", 1, 1, 0, 4, 0, 1, 1, 1),
-            f"packet at byte {START}: 1 valid events of 1 of at most 1, 0 bytes each, after 0 turns of time: "
-            "must not be negative, and valid <= events <= capacity",
-        ),
-        (
-            header() + polarity([(1, 1, 1, 1)], source=5),
-            f"packet at byte {START}: type 1, source 5: must be 0 or more, and one of [1]",
-        ),
-        (
-            header() + packet([bytes(16)]),
-            f"packet at byte {START}: polarity events of 16 bytes with their time at byte 4: must be of 8 with it at 4",
-        ),
+        (header() + GOOD[:-1],
+         f"packet at byte {START} goes beyond byte {START + 35}, the file's end; is it cut off or damaged?"),
+        (packet_head(8, 4, 0, 1 << 30, 1 << 30, 1),
+         f"packet at byte {START} goes beyond byte {START + 28}, the file's end; is it cut off or damaged?"),
+        (packet_head(8, 4, 0, 1, -1, 1),
+         f"packet at byte {START}: 1 valid events of -1 of at most 1, 8 bytes each, after 0 turns of time: "
+         "must not be negative, and valid <= events <= capacity"),
+        (packet_head(0, 4, 0, 1, 1, 1),
+         f"packet at byte {START}: 1 valid events of 1 of at most 1, 0 bytes each, after 0 turns of time: "
+         "must not be negative, and valid <= events <= capacity"),
+        (header() + polarity([(1, 1, 1, 1)], source=5),
+         f"packet at byte {START}: type 1, source 5: must be 0 or more, and one of [1]"),
+        (header() + packet([bytes(16)]),
+         f"packet at byte {START}: polarity events of 16 bytes with their time at byte 4: must be of 8 with it at 4"),
         (header() + polarity([(1, 1, 1, 1), (-2, 1, 1, 1)]), f"event at byte {START + 36}: t = -2: must not be negative"),
         (header() + polarity([(1, 1, 128, 1)]), "event 0: y = 128: must be below the sensor's 128"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_whole_recording_is_refused_by_rule(path: Path, content: bytes, message: str) -> None:
     assert refusal(path, content) == message
 
 
-def damageable() -> bytes:
+def test_damage(path: Path) -> None:
     expected = make_rows(50)
     special = packet([struct.pack("<Ii", 3, 5)], kind=SPECIAL)
-    return header() + special + b"".join(polarity(expected[at : at + 25]) for at in (0, 25))
-
-
-def test_damage(path: Path) -> None:
-    outcomes = fuzz(path, damageable(), seed=42)
+    content = header() + special + b"".join(polarity(expected[at : at + 25]) for at in (0, 25))
+    outcomes = fuzz(path, content, seed=42)
     assert outcomes.refused > 2_000
     assert outcomes.lossy > 50
-
-
-def test_damage_left_out(path: Path) -> None:
-    assert fuzz(path, damageable(), corruptions=2000, seed=43, damage="skip").lossy > 500
+    assert fuzz(path, content, corruptions=2000, seed=43, damage="skip").lossy > 500

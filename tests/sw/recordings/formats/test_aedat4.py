@@ -22,14 +22,14 @@ from evcot.recordings.formats.aedat4 import EVENT, Aedat4File
 from evcot.recordings.formats.aedat4_sink import PACKET_EVENTS
 from evcot.recordings.formats.packing import TooLarge
 from evcot.recordings.formats.source import BLOCK_EVENTS
-from shared import SHARED
+from support.refusals import refused
 
 from .fuzzing import fuzz
+from .reading import assert_same, by_others, refusal, rows_of, shared, written_by_faery
 
 SENSOR = (64, 48)
 EPOCH_US = 1_718_925_184_590_631
 FAERY_COMPRESSIONS = {"lz4": ("lz4", 1), "zstd": ("zstd", 3), "plain": None}
-FIELDS = ("t_us", "x", "y", "p")
 
 
 def make_events(count: int, start_us: int = EPOCH_US) -> Events:
@@ -47,11 +47,8 @@ def written(path: Path, events: Events) -> Path:
     return path
 
 
-def written_by_faery(path: Path, events: Events, compression: str = "lz4") -> Path:
-    packet = np.zeros(len(events), faery.EVENTS_DTYPE)
-    packet["t"], packet["x"], packet["y"], packet["on"] = events.t_us, events.x, events.y, events.p
-    faery.events_stream_from_array(packet, SENSOR).to_file(path, compression=FAERY_COMPRESSIONS[compression])
-    return path
+def by_faery(path: Path, events: Events, compression: str) -> Path:
+    return written_by_faery(path, events, SENSOR, compression=FAERY_COMPRESSIONS[compression])
 
 
 def table_place(content: bytes) -> int:
@@ -68,7 +65,7 @@ def unclosed(content: bytes) -> bytes:
 
 def event_buffer(events: Events, identifier: bytes = b"EVTS") -> bytes:
     """An EventPacket with its length in front, fields and vtables from the schema; another identifier for other elements."""
-    elements = b"".join(struct.pack("<qhhB3x", *row) for row in zip(*(getattr(events, field) for field in FIELDS), strict=True))
+    elements = b"".join(struct.pack("<qhhB3x", *row) for row in rows_of(events))
     vtable = struct.pack("<3H", 6, 8, 4)
     table = struct.pack("<iI", len(vtable), 4)
     buffer = struct.pack("<I4s2x", 16, identifier) + vtable + table + struct.pack("<I", len(events)) + elements
@@ -92,65 +89,32 @@ def plain_file(streams: str, *packets: tuple[int, bytes], compression: int = 0) 
     return b"#!AER-DAT4.0\r\n" + struct.pack("<I", len(header)) + header + body
 
 
-def assert_same(got: Events, wanted: Events) -> None:
-    for field in FIELDS:
-        values, expected = getattr(got, field), getattr(wanted, field)
-        assert values.dtype == expected.dtype
-        np.testing.assert_array_equal(values, expected)
-
-
-def refusal(path: Path, content: bytes | None = None) -> str:
-    """The line with which a file is refused, without its name."""
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(RecordingError) as caught:
-        read_recording(path)
-    return str(caught.value).removeprefix(f"{path}: ")
-
-
 @pytest.mark.parametrize("compression", FAERY_COMPRESSIONS)
 def test_what_faery_wrote_is_read(tmp_path: Path, compression: str) -> None:
     events = make_events(20_000)
-    recording = read_recording(written_by_faery(tmp_path / "events.aedat4", events, compression))
+    recording = read_recording(by_faery(tmp_path / "events.aedat4", events, compression))
     assert_same(recording.events, events)
     assert (recording.width, recording.height) == SENSOR
 
 
-@pytest.mark.parametrize("name", ["hand_dvs128.aedat4", "traffic_outbound.aedat4"])
-def test_a_camera_s_file_is_read_as_the_aedat_package_reads_it(name: str) -> None:
-    aedat = pytest.importorskip("aedat")
-    path = SHARED / name
-    if not path.is_file():
-        pytest.skip(f"{name} is not on this machine")
-    expected = np.concatenate([packet["events"] for packet in aedat.Decoder(path) if "events" in packet])
-    got = read_recording(path).events
-    for values, field in zip((getattr(got, each) for each in FIELDS), ("t", "x", "y", "on"), strict=True):
-        np.testing.assert_array_equal(values, expected[field].astype(values.dtype))
+@pytest.mark.parametrize(("name", "sensor"), [("hand_dvs128.aedat4", (128, 128)), ("traffic_outbound.aedat4", (346, 260))])
+def test_a_camera_s_file_is_read_as_other_packages_read_it(name: str, sensor: tuple[int, int]) -> None:
+    recording = read_recording(shared(name))
+    assert (recording.width, recording.height) == sensor
+    for reader in ("aedat", "faery"):
+        assert_same(recording.events, by_others(reader, shared(name)))
 
 
 @pytest.mark.parametrize("count", [1, 2, PACKET_EVENTS, 3 * PACKET_EVENTS + 7])
 def test_what_is_written_is_read_here_and_by_others(tmp_path: Path, count: int) -> None:
-    events = make_events(count)
-    path = tmp_path / "events.aedat4"
+    events, path = make_events(count), tmp_path / "events.aedat4"
     write_recording(Recording(events, *SENSOR), path)
     assert_same(read_recording(path).events, events)
-
-    stream = faery.events_stream_from_file(path)
-    assert stream.dimensions() == SENSOR
-    array = stream.to_array()
-    assert_same(Events(array["t"].astype(np.int64), array["x"], array["y"], array["on"].astype(np.uint8)), events)
-
-    aedat = pytest.importorskip("aedat")
-    decoder = aedat.Decoder(path)
-    assert decoder.id_to_stream() == {0: {"type": "events", "width": SENSOR[0], "height": SENSOR[1]}}
-    array = np.concatenate([packet["events"] for packet in decoder])
-    assert_same(Events(array["t"].astype(np.int64), array["x"], array["y"], array["on"].astype(np.uint8)), events)
-
-    eventcv = pytest.importorskip("eventcv")
-    loaded = eventcv.load(str(path))
-    assert loaded.sensor_size == SENSOR
-    x, y, t_us, p = loaded.numpy().T
-    assert_same(Events(*(v.astype(getattr(events, f).dtype) for v, f in zip((t_us, x, y, p), FIELDS, strict=True))), events)
+    for reader in ("faery", "aedat", "eventcv"):
+        assert_same(by_others(reader, path), events)
+    assert faery.events_stream_from_file(path).dimensions() == SENSOR
+    stream = {"type": "events", "width": SENSOR[0], "height": SENSOR[1]}
+    assert pytest.importorskip("aedat").Decoder(path).id_to_stream() == {0: stream}
 
 
 def test_small_blocks_make_the_same_file_as_one_large_one(tmp_path: Path) -> None:
@@ -171,14 +135,10 @@ def test_a_file_without_events_is_whole_but_no_recording(tmp_path: Path) -> None
 
 
 def test_an_address_beyond_the_format_s_15_bits_is_refused(tmp_path: Path) -> None:
-    events = make_events(10)
-    x = events.x.copy()
-    x[7] = 32_768
-    blocks = [events[:4], Events(events.t_us, x, events.y, events.p)[4:]]
-    path = tmp_path / "wide.aedat4"
-    with pytest.raises(RecordingError) as caught:
-        write_events(path, (40_000, 48), blocks)
-    assert str(caught.value) == f"{path}: event 7: x = 32768: must be at most 32767 in AEDAT4"
+    events, path = make_events(10), tmp_path / "wide.aedat4"
+    wide = Events(events.t_us, np.where(np.arange(10) == 7, 32_768, events.x).astype(np.uint16), events.y, events.p)
+    with refused(RecordingError, f"{path}: event 7: x = 32768: must be at most 32767 in AEDAT4"):
+        write_events(path, (40_000, 48), [wide[:4], wide[4:]])
     assert not path.exists()
 
 
@@ -259,18 +219,14 @@ def test_other_streams_are_passed_over_and_named(tmp_path: Path) -> None:
 
 
 def test_a_packet_of_another_stream_is_not_lost_in_silence(tmp_path: Path) -> None:
-    path = tmp_path / "events.aedat4"
-    streams = stream_node(0) + stream_node(1, "TRIG")
-    good = (0, event_buffer(make_events(3)))
-    first = len(plain_file(streams))
-    second = len(plain_file(streams, good))
-    assert refusal(path, plain_file(streams, (7, good[1]))) == f"packet at byte {first}: stream 7: must be one of [0, 1]"
-    assert refusal(path, plain_file(streams, good, (1, good[1]))) == (
-        f"packet at byte {second}: holds events: stream 1 must not"
-    )
-    assert refusal(path, plain_file(streams, (0, event_buffer(Events.empty(), b"TRIG")))) == (
-        f"packet at byte {first}: is marked b'TRIG': must be b'EVTS'"
-    )
+    path, streams, good = tmp_path / "events.aedat4", stream_node(0) + stream_node(1, "TRIG"), event_buffer(make_events(3))
+    first, second = (f"packet at byte {len(plain_file(streams, *before))}" for before in ((), [(0, good)]))
+    for packets, said in (
+        ([(7, good)], f"{first}: stream 7: must be one of [0, 1]"),
+        ([(0, good), (1, good)], f"{second}: holds events: stream 1 must not"),
+        ([(0, event_buffer(Events.empty(), b"TRIG"))], f"{first}: is marked b'TRIG': must be b'EVTS'"),
+    ):
+        assert refusal(path, plain_file(streams, *packets)) == said
 
 
 def test_time_that_runs_back_is_named_by_its_event(tmp_path: Path) -> None:
@@ -285,7 +241,7 @@ def changed(content: bytes, at: int, layout: str, value: int) -> bytes:
 
 
 def test_a_packet_s_own_head_is_believed_and_its_damage_is_loss(tmp_path: Path) -> None:
-    content = written_by_faery(tmp_path / "events.aedat4", make_events(3, start_us=1000), "plain").read_bytes()
+    content = by_faery(tmp_path / "events.aedat4", make_events(3, start_us=1000), "plain").read_bytes()
     (table_at,) = struct.unpack_from("<q", content, table_place(content))
     packet = content.index(b"EVTS", content.index(b"</dv>")) - 16
     path = tmp_path / "changed.aedat4"
@@ -300,57 +256,47 @@ def test_a_packet_s_own_head_is_believed_and_its_damage_is_loss(tmp_path: Path) 
         assert refusal(path, damaged).startswith(message)
 
 
+GOOD = plain_file(stream_node(0))
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (plain_file(stream_node(0))[:16], "ends within its header, at byte 16"),
-        (plain_file(stream_node(0))[:40], "ends within its header, at byte 40"),
-        (plain_file(stream_node(0)).replace(b"IOHE", b"IOHX"), "header: is marked b'IOHX': must be b'IOHE'"),
-        (plain_file(stream_node(0)).replace(b"EVTS", b"\xffVTS"), "header: text at offset 101: must be UTF-8"),
+        (GOOD[:16], "ends within its header, at byte 16"),
+        (GOOD[:40], "ends within its header, at byte 40"),
+        (GOOD.replace(b"IOHE", b"IOHX"), "header: is marked b'IOHX': must be b'IOHE'"),
+        (GOOD.replace(b"EVTS", b"\xffVTS"), "header: text at offset 101: must be UTF-8"),
         (plain_file(stream_node(0), compression=5), "header: compression 5: must be from 0 to 4"),
         (plain_file(stream_node(0, "TRIG")), "has no stream of events: its streams are ['TRIG']"),
         (plain_file(""), "has no stream of events: its streams are []"),
-        (
-            plain_file(stream_node(0)).replace(b">64<", b">6x<"),
-            "header: sizeX, sizeY = ('6x', '48'): must be whole numbers",
-        ),
-        (plain_file(stream_node(0)).replace(b">64<", b">00<"), "sensor 0x48: each side must be from 1 to 65536 pixels"),
-        (
-            plain_file(stream_node("a")),
-            "header: description of streams: invalid literal for int() with base 10: 'a': "
-            "must be XML with numbered nodes under outInfo",
-        ),
-        (
-            plain_file("<!ENTITY a 'aaaa'>" + stream_node(0)),
-            "header: description of streams: must be XML without declarations",
-        ),
-        (
-            plain_file(stream_node(0)).replace(b"</dv>", b"</dw>"),
-            "header: description of streams: mismatched tag: line 1, column 173: must be XML with numbered nodes under outInfo",
-        ),
-        (plain_file(stream_node(0)), "holds no events"),
+        (GOOD.replace(b">64<", b">6x<"), "header: sizeX, sizeY = ('6x', '48'): must be whole numbers"),
+        (GOOD.replace(b">64<", b">00<"), "sensor 0x48: each side must be from 1 to 65536 pixels"),
+        (plain_file(stream_node("a")), "header: description of streams: invalid literal for int() with base 10: 'a': "
+         "must be XML with numbered nodes under outInfo"),
+        (plain_file("<!ENTITY a 'aaaa'>" + stream_node(0)),
+         "header: description of streams: must be XML without declarations"),
+        (GOOD.replace(b"</dv>", b"</dw>"), "header: description of streams: mismatched tag: line 1, column 173: "
+         "must be XML with numbered nodes under outInfo"),
+        (GOOD, "holds no events"),
     ],
-)
+)  # fmt: skip
 def test_a_damaged_header_is_refused_by_rule(tmp_path: Path, content: bytes, message: str) -> None:
     assert refusal(tmp_path / "file.aedat4", content) == message
 
 
 def test_no_length_is_believed(tmp_path: Path) -> None:
-    path = tmp_path / "file.aedat4"
-    buffer = event_buffer(make_events(4))
-    head = len(plain_file(stream_node(0)))
+    buffer, held = event_buffer(make_events(4)), len(event_buffer(make_events(4))) - 4
     count_at = len(buffer) - 4 * EVENT.itemsize - 4
-    many = buffer[:count_at] + b"\xff\xff\xff\xff" + buffer[count_at + 4 :]
-    assert refusal(path, plain_file(stream_node(0), (0, many))) == (
-        f"packet at byte {head}: 4294967295 items of 16 bytes at offset 28: must lie within {len(buffer) - 4} bytes"
-    )
-    assert refusal(path, plain_file(stream_node(0), (0, changed(buffer, 20, "<i", 100)))) == (
-        f"packet at byte {head}: offset -84: must lie within {len(buffer) - 4} bytes"
-    )
-    short = struct.pack("<I", 1 << 31) + buffer[4:]
-    assert refusal(path, plain_file(stream_node(0), (0, short))) == (
-        f"packet at byte {head}: {len(buffer) - 4} bytes, {1 << 31} by its own length: must be the same"
-    )
+    for damaged, said in (
+        (
+            changed(buffer, count_at, "<I", 2**32 - 1),
+            f"4294967295 items of 16 bytes at offset 28: must lie within {held} bytes",
+        ),
+        (changed(buffer, 20, "<i", 100), f"offset -84: must lie within {held} bytes"),
+        (changed(buffer, 0, "<I", 1 << 31), f"{held} bytes, {1 << 31} by its own length: must be the same"),
+    ):
+        message = refusal(tmp_path / "file.aedat4", plain_file(stream_node(0), (0, damaged)))
+        assert message == f"packet at byte {len(GOOD)}: {said}"
 
 
 @pytest.mark.parametrize("compression", ["LZ4", "Zstandard"])
@@ -369,24 +315,20 @@ def test_no_more_than_the_bound_is_unpacked_at_once(tmp_path: Path, monkeypatch:
     assert whole
 
 
-def test_nothing_may_follow_a_packet_s_frame(tmp_path: Path) -> None:
-    packed = lz4.frame.compress(event_buffer(make_events(10))) + b"more"
-    message = refusal(tmp_path / "file.aedat4", plain_file(stream_node(0), (0, packed), compression=1))
+def test_nothing_may_follow_a_packet_s_frame_and_its_size_is_not_believed(tmp_path: Path) -> None:
+    buffer, path = event_buffer(make_events(100)), tmp_path / "file.aedat4"
+    packed = lz4.frame.compress(buffer) + b"more"
+    message = refusal(path, plain_file(stream_node(0), (0, packed), compression=1))
     assert message.endswith("4 bytes follow the LZ4 frame: must be none")
-
-
-def test_a_zstandard_frame_that_claims_a_huge_size_is_not_believed(tmp_path: Path) -> None:
-    buffer = event_buffer(make_events(100))
     frame = zstandard.ZstdCompressor(write_content_size=False).compress(buffer)
-    window = 31 - 10 << 3  # the window descriptor of 2 GiB
-    huge = frame[:5] + bytes([window]) + frame[6:]
-    message = refusal(tmp_path / "file.aedat4", plain_file(stream_node(0), (0, huge), compression=3))
+    huge = changed(frame, 5, "<B", 31 - 10 << 3)  # the window descriptor of 2 GiB
+    message = refusal(path, plain_file(stream_node(0), (0, huge), compression=3))
     assert "is no Zstandard frame: Unable to decompress Zstandard data: Frame requires too much memory for decoding" in message
 
 
 @pytest.mark.parametrize("compression", FAERY_COMPRESSIONS)
 def test_damage_to_faery_s_files(tmp_path: Path, compression: str) -> None:
-    content = written_by_faery(tmp_path / "whole.aedat4", make_events(50), compression).read_bytes()
+    content = by_faery(tmp_path / "whole.aedat4", make_events(50), compression).read_bytes()
     (table_at,) = struct.unpack_from("<q", content, table_place(content))
     outcomes = fuzz(tmp_path / "cut", content, corruptions=0, seed=20)
     assert (outcomes.refused, outcomes.read) == (table_at, len(content) - table_at)  # every cut, but of the table

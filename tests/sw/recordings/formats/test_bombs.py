@@ -22,24 +22,18 @@ import pytest
 import scipy.io
 import zstandard
 
-from evcot.errors import RecordingError
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import matlab
 from support.bounded import Answer, answer_to
 
+from .reading import assert_same, refusal, rows_of
 from .test_aedat4 import plain_file, stream_node
 
 
-def refusal_of(path: Path) -> str:
-    """The one line that refuses a file, without its name."""
-    with pytest.raises(RecordingError) as caught, open_recording(path) as file:
-        for _ in file.blocks():
-            pass
-    message = str(caught.value)
-    assert message.startswith(f"{path}: ")
-    assert message.isprintable()
-    assert len(message) < len(str(path)) + 400
-    return message.removeprefix(f"{path}: ")
+def refusal_of(path: Path, content: bytes | str | None = None) -> str:
+    message = refusal(path, content)
+    assert len(message) < 400
+    return message
 
 
 def contents_of(*parts: tuple[bytes, int]) -> Iterator[bytes]:
@@ -122,10 +116,9 @@ def test_a_large_packet_must_be_what_it_says(tmp_path: Path) -> None:
     ):
         head = packet_head(said, extra) if what else struct.pack("<I", 16) + packet_head(0)[4:-4] + b"\xff" * 4
         packed = packed_zeros(head, 16 * events, "Zstandard")
-        path.write_bytes(plain_file(stream_node(0), (0, packed), compression=3))
-        refusal = refusal_of(path)
-        assert refusal.startswith("packet at byte ")
-        assert refusal.endswith(what or "must lie within 16 bytes")
+        said = refusal_of(path, plain_file(stream_node(0), (0, packed), compression=3))
+        assert said.startswith("packet at byte ")
+        assert said.endswith(what or "must lie within 16 bytes")
 
 
 def with_table(content: bytes, table: bytes) -> bytes:
@@ -138,37 +131,34 @@ def with_table(content: bytes, table: bytes) -> bytes:
     return content[:14] + struct.pack("<I", len(head)) + head + table
 
 
-@pytest.mark.parametrize("compression", [1, 3])
-def test_a_packet_table_that_unpacks_to_gigabytes_is_not_read(tmp_path: Path, compression: int) -> None:
-    packed = packed_zeros(struct.pack("<I", 1 << 30), 1 << 30, "LZ4" if compression == 1 else "Zstandard")
-    path = tmp_path / "table.aedat4"
-    content = plain_file(stream_node(0), compression=compression)
-    path.write_bytes(with_table(content, packed))
-    assert answer_to(path).refusal == f"{path}: holds no events"
+def remark_on(path: Path) -> str:
     with open_recording(path) as file:
         (remark,) = file._source.remarks
-    assert remark.endswith("unpacks to more than 268435456 bytes: must be at most that; the packets are read without it")
+    return remark
+
+
+@pytest.mark.parametrize(("compression", "number"), [("LZ4", 1), ("Zstandard", 3)])
+def test_a_packet_table_that_unpacks_to_gigabytes_is_not_read(tmp_path: Path, compression: str, number: int) -> None:
+    path, packed = tmp_path / "table.aedat4", packed_zeros(struct.pack("<I", 1 << 30), 1 << 30, compression)
+    path.write_bytes(with_table(plain_file(stream_node(0), compression=number), packed))
+    assert answer_to(path).refusal == f"{path}: holds no events"
+    bound = "unpacks to more than 268435456 bytes: must be at most that; the packets are read without it"
+    assert remark_on(path).endswith(bound)
 
 
 def test_a_packet_table_names_no_more_packets_than_there_is_room_for(tmp_path: Path) -> None:
-    count = 1 << 22
+    count, path = 1 << 22, tmp_path / "table.aedat4"
     fields = struct.pack("<I4s2x3HiII", 16, b"FTAB", 6, 8, 4, 6, 4, count)
-    table = struct.pack("<I", len(fields) + 4 * count) + fields
-    content = plain_file(stream_node(0), compression=3)
-    path = tmp_path / "table.aedat4"
-    path.write_bytes(with_table(content, packed_zeros(table, 4 * count, "Zstandard")))
-    assert refusal_of(path) == "holds no events"
-    with open_recording(path) as file:
-        (remark,) = file._source.remarks
-    assert f"{count} entries: must be at most 0, for so many bytes" in remark
+    table = packed_zeros(struct.pack("<I", len(fields) + 4 * count) + fields, 4 * count, "Zstandard")
+    assert refusal_of(path, with_table(plain_file(stream_node(0), compression=3), table)) == "holds no events"
+    assert f"{count} entries: must be at most 0, for so many bytes" in remark_on(path)
 
 
 def test_a_header_of_megabytes_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "long.aedat4"
-    path.write_bytes(plain_file(stream_node(0) + "<a/>" * (1 << 22)))
-    assert refusal_of(path).endswith("must be at most 1048576")
-    path.write_bytes(plain_file(stream_node(0).replace(">64<", f">{'9' * 5000}<")))
-    assert refusal_of(path) == f"header: sizeX, sizeY = ('{'9' * 60}...', '48'): must be whole numbers"
+    assert refusal_of(path, plain_file(stream_node(0) + "<a/>" * (1 << 22))).endswith("must be at most 1048576")
+    said = f"header: sizeX, sizeY = ('{'9' * 60}...', '48'): must be whole numbers"
+    assert refusal_of(path, plain_file(stream_node(0).replace(">64<", f">{'9' * 5000}<"))) == said
 
 
 # NumPy.
@@ -235,26 +225,23 @@ def test_a_zip_with_a_huge_list_of_members_is_refused(tmp_path: Path) -> None:
     assert "list of members has" in refusal_of(path)
 
 
-@pytest.mark.parametrize("shape", [f"({1 << 60}, 4)", f"({10**30}, 4)", f"({'9' * 4000}, 4)", f"({1 << 62}, 4)"])
-def test_an_npy_of_a_huge_shape_is_refused(tmp_path: Path, shape: str) -> None:
-    path = tmp_path / "huge.npy"
-    path.write_bytes(npy_header(shape))
-    assert refusal_of(path).endswith("of 8 bytes each: must be below 2^60 bytes")
-
-
-@pytest.mark.parametrize("shape", ["(1125899906842624, 4)", "(1125899906842623, 4)"])
-def test_an_npy_that_claims_petabytes_is_cut_off(tmp_path: Path, shape: str) -> None:
-    path = tmp_path / "huge.npy"
-    path.write_bytes(npy_header(shape))
-    assert "ends after event -1 of" in refusal_of(path)
+@pytest.mark.parametrize(
+    ("shape", "said"),
+    [
+        *((shape, "of 8 bytes each: must be below 2^60 bytes")
+          for shape in (f"({1 << 60}, 4)", f"({10**30}, 4)", f"({'9' * 4000}, 4)", f"({1 << 62}, 4)")),
+        ("(1125899906842624, 4)", "ends after event -1 of 1125899906842624; is it cut off?"),
+        ("(1125899906842623, 4)", "ends after event -1 of 1125899906842623; is it cut off?"),
+    ],
+)  # fmt: skip
+def test_an_npy_of_a_huge_shape_is_refused(tmp_path: Path, shape: str, said: str) -> None:
+    assert refusal_of(tmp_path / "huge.npy", npy_header(shape)).endswith(said)
 
 
 def test_long_doubles_are_numbers(tmp_path: Path) -> None:
-    rows = np.array([(0.5, 3, 4, 1), (0.500001, 5, 6, -1)], np.longdouble)
     path = tmp_path / "long.npy"
-    np.save(path, rows)
-    events = read_recording(path, (10, 10)).events
-    assert (events.t_us.tolist(), events.x.tolist(), events.p.tolist()) == ([500_000, 500_001], [3, 5], [1, 0])
+    np.save(path, np.array([(0.5, 3, 4, 1), (0.500001, 5, 6, -1)], np.longdouble))
+    assert rows_of(read_recording(path, (10, 10)).events) == [(500_000, 3, 4, 1), (500_001, 5, 6, 0)]
     np.save(path, np.array([(np.longdouble("1e4000"), 1, 1, 1)]))
     assert refusal_of(path).startswith("event 0: t = inf: must be a whole number")
 
@@ -274,9 +261,7 @@ def test_long_doubles_are_numbers(tmp_path: Path) -> None:
     ],
 )
 def test_text_with_thousands_of_digits_or_comments_is_refused(tmp_path: Path, text: str, what: str) -> None:
-    path = tmp_path / "digits.csv"
-    path.write_text(text)
-    assert refusal_of(path).endswith(what)
+    assert refusal_of(tmp_path / "digits.csv", text).endswith(what)
 
 
 def test_a_name_of_blanks_takes_no_time(tmp_path: Path) -> None:
@@ -285,22 +270,16 @@ def test_a_name_of_blanks_takes_no_time(tmp_path: Path) -> None:
     assert answer_to(path) == Answer(1, 1, "")
 
 
-def test_an_aedat2_header_of_megabytes_is_passed_over_or_refused(tmp_path: Path) -> None:
+def test_an_aedat_header_of_megabytes_is_passed_over_or_refused(tmp_path: Path) -> None:
     path = tmp_path / "long.aedat"
-    record = struct.pack(">II", 0, 5)
-    start, chip = b"#!AER-DAT2.0\r\n", b"# AEChip: DVS128\r\n"
-    path.write_bytes(start + (b"# " + b"<entry/>" * 1000 + b"\r\n") * 1500 + chip + record)
+    start, end = b"#!AER-DAT2.0\r\n", b"# AEChip: DVS128\r\n" + struct.pack(">II", 0, 5)
+    line = b"# " + b"<entry/>" * 1000 + b"\r\n"
+    path.write_bytes(start + line * 1500 + end)
     assert answer_to(path) == Answer(1, 1, "")
-    path.write_bytes(start + (b"# " + b"<entry/>" * 1000 + b"\r\n") * 2500 + chip + record)
-    assert "must have at most 262144 lines and 16777216 bytes" in refusal_of(path)
-    path.write_bytes(start + b"#\n" * 1_000_000 + chip + record)
-    assert "must have at most 262144 lines and 16777216 bytes" in refusal_of(path)
-
-
-def test_an_aedat3_header_of_megabytes_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "long.aedat"
-    path.write_bytes(b"#!AER-DAT3.1\r\n" + (b"#" + b"a" * 60_000 + b"\r\n") * 30 + b"#!END-HEADER\r\n")
-    assert refusal_of(path).endswith("or its first 1048576 bytes")
+    for many in (line * 2500, b"#\n" * 1_000_000):
+        assert "must have at most 262144 lines and 16777216 bytes" in refusal_of(path, start + many + end)
+    aedat3 = b"#!AER-DAT3.1\r\n" + (b"#" + b"a" * 60_000 + b"\r\n") * 30 + b"#!END-HEADER\r\n"
+    assert refusal_of(path, aedat3).endswith("or its first 1048576 bytes")
 
 
 # HDF5 and MATLAB.
@@ -359,9 +338,7 @@ def test_gzip_is_what_the_library_makes_of_it(tmp_path: Path, held: bool) -> Non
     with h5py.File(path, "w") as file:
         for name, values in wanted.items():
             file.create_dataset(f"events/{name}", data=values, chunks=(10_007,), compression="gzip", shuffle=held)
-    events = read_recording(path, (640, 480)).events
-    for name, got in (("t", events.t_us), ("x", events.x), ("y", events.y), ("p", events.p)):
-        np.testing.assert_array_equal(got, wanted[name])
+    assert_same(read_recording(path, (640, 480)).events, [*wanted.values()])
     with open_recording(path, (640, 480)) as file:
         part = file.read(300_000_000, 300_500_000)
     first, end = np.searchsorted(wanted["t"] - wanted["t"][0], (300_000_000, 300_500_000))
@@ -412,9 +389,7 @@ def test_a_matlab_struct_is_the_same_held_or_not(tmp_path: Path, monkeypatch: py
     scipy.io.savemat(path, {"other": np.arange(9), "TD": columns | {"p": np.arange(70_000) % 2 + 1}}, do_compression=True)
     held = read_recording(path).events
     monkeypatch.setattr(matlab, "_HELD_BYTES_MAX", 1000)
-    got = read_recording(path).events
-    for field in ("t_us", "x", "y", "p"):
-        np.testing.assert_array_equal(getattr(got, field), getattr(held, field))
+    assert_same(read_recording(path).events, held)
     assert held.t_us[-1] == columns["ts"][-1]
     content = bytearray(path.read_bytes())
     content[-3] ^= 1

@@ -16,12 +16,12 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.errors import RecordingError
-from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import ecf
 from evcot.recordings.formats.numeric import RECORD
 
 from .fuzzing import fuzz
+from .reading import assert_same, refusal
 from .test_hdf5 import _quick, surveyor  # noqa: F401  (fixtures: files are surveyed by one child)
 
 ECF = 36559
@@ -153,9 +153,8 @@ def encoded(events: NDArray[np.void], kinds: list[str], length: int = CHUNK, **o
     return [(encode(part, kinds[i % len(kinds)], **options), 0) for i, part in enumerate(parts)]
 
 
-def assert_same(got: Events, wanted: NDArray[np.void]) -> None:
-    for values, field in zip((got.t_us, got.x, got.y, got.p), "txyp", strict=True):
-        np.testing.assert_array_equal(values, wanted[field])
+def assert_read_as(path: Path, wanted: NDArray[np.void], **options: int) -> None:
+    assert_same(read_recording(path, **options).events, [wanted[field] for field in "txyp"])  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("kinds", [[kind] for kind in KINDS] + [KINDS], ids=[*KINDS, "each in turn"])
@@ -163,8 +162,8 @@ def assert_same(got: Events, wanted: NDArray[np.void]) -> None:
 def test_every_packing_is_read_event_by_event(tmp_path: Path, kinds: list[str], count: int) -> None:
     events = make_events(count, seed=count)
     path = write(tmp_path / "events.hdf5", events, encoded(events, kinds))
+    assert_read_as(path, events)
     with open_recording(path) as file:
-        assert_same(file.read().events, events)
         assert file.sensor == (2048, 2048)
         assert file.details == {"events": "CD/events"}
 
@@ -174,11 +173,9 @@ def test_chunks_of_metavision_s_size_and_runs_longer_than_a_byte(tmp_path: Path)
     events = make_events(3 * length, seed=1, longest_step=1 << 40)
     events[100 : length + 5_000] = events[100]
     path = write(tmp_path / "events.hdf5", events, encoded(events, ["masked", "columns packed", "all packed"], length), length)
-    assert_same(read_recording(path).events, events)
     t_us = events["t"]
-    for at in (1, 101, length + 5_000, 2 * length + 77, len(events) - 1):
-        from_us = int(t_us[at] - t_us[0])
-        assert_same(read_recording(path, from_us=from_us).events, events[int(np.searchsorted(t_us, t_us[at])) :])
+    for at in (0, 1, 101, length + 5_000, 2 * length + 77, len(events) - 1):
+        assert_read_as(path, events[int(np.searchsorted(t_us, t_us[at])) :], from_us=int(t_us[at] - t_us[0]))
 
 
 def test_a_chunk_by_hand() -> None:
@@ -193,8 +190,7 @@ def test_a_chunk_by_hand() -> None:
 def test_the_last_word_of_columns_may_speak_of_events_that_are_not_there(tmp_path: Path) -> None:
     """Metavision's encoder looks beyond its last event."""
     events = make_events(CHUNK, seed=3)
-    path = write(tmp_path / "events.hdf5", events, encoded(events, ["masked"], beyond=0b11111))
-    assert_same(read_recording(path).events, events)
+    assert_read_as(write(tmp_path / "events.hdf5", events, encoded(events, ["masked"], beyond=0b11111)), events)
 
 
 def test_a_chunk_may_be_padded_or_end_with_the_data_or_be_stored_as_it_is(tmp_path: Path) -> None:
@@ -203,32 +199,22 @@ def test_a_chunk_may_be_padded_or_end_with_the_data_or_be_stored_as_it_is(tmp_pa
     padded[:100] = events[CHUNK:]
     first = (encode(events[:CHUNK], "masked"), 0)
     for last in ((encode(padded, "masked"), 0), (encode(padded[:100], "masked"), 0), (padded.tobytes(), 1)):
-        assert_same(read_recording(write(tmp_path / "events.hdf5", events, [first, last])).events, events)
-
-
-def refusal(path: Path) -> str:
-    with pytest.raises(RecordingError) as caught:
-        read_recording(path)
-    return str(caught.value).removeprefix(f"{path}: ")
+        assert_read_as(write(tmp_path / "events.hdf5", events, [first, last]), events)
 
 
 def test_a_damaged_chunk_is_named(tmp_path: Path) -> None:
     events = make_events(2 * CHUNK, seed=5)
-    good, last = encoded(events, ["masked"])
-    path = tmp_path / "events.hdf5"
+    good, (last, _) = encoded(events, ["masked"])
     for stored, what in (
-        (last[0][:11], "chunk of 11 bytes: must be at least 12 in ECF"),
-        (last[0][:-1], f"chunk of {len(last[0]) - 1} bytes and {CHUNK} events: is no ECF, or damaged"),
+        (last[:11], "chunk of 11 bytes: must be at least 12 in ECF"),
+        (last[:-1], f"chunk of {len(last) - 1} bytes and {CHUNK} events: is no ECF, or damaged"),
         (encode(events[:100], "masked"), f"chunk unpacks to 100 events: must be {CHUNK}"),
         (encode(make_events(CHUNK + 1, 6), "masked"), f"chunk of {CHUNK + 1} events: must be at most {CHUNK}"),
-        (struct.pack("<I", 0xFFFFFFFF) + last[0][4:], f"chunk of {(1 << 30) - 1} events: must be at most {CHUNK}"),
-        (
-            last[0][:12] + b"\xf1" * 17 + last[0][12:],
-            f"chunk of {len(last[0]) + 17} bytes and {CHUNK} events: is no ECF, or damaged",
-        ),
+        (struct.pack("<I", 0xFFFFFFFF) + last[4:], f"chunk of {(1 << 30) - 1} events: must be at most {CHUNK}"),
+        (last[:12] + b"\xf1" * 17 + last[12:], f"chunk of {len(last) + 17} bytes and {CHUNK} events: is no ECF, or damaged"),
         (struct.pack("<IQ", CHUNK << 2, 0) + b"\xff" * 17, f"chunk of 29 bytes and {CHUNK} events: is no ECF, or damaged"),
     ):
-        write(path, events, [good, (stored, 0)])
+        path = write(tmp_path / "events.hdf5", events, [good, (stored, 0)])
         assert refusal(path) == f"/CD/events: values 0 to {2 * CHUNK - 1}: {what}"
 
 

@@ -23,6 +23,7 @@ from evcot.recordings.formats import hdf5, hdf5_survey
 from evcot.recordings.formats.printable import printable
 
 from .fuzzing import cut_lengths, fuzz, sample_of
+from .reading import assert_same, by_others, refusal, rows_of
 
 WIDTH, HEIGHT = 64, 48
 COUNT = 500
@@ -165,32 +166,17 @@ def make(path: Path, write: Write, **options: Any) -> Path:
     return path
 
 
-def refusal(path: Path) -> str:
-    with pytest.raises(RecordingError) as caught:
-        read_recording(path)
-    message = str(caught.value)
-    assert message.startswith(f"{path}: ")
-    assert message.isprintable()
-    return message.removeprefix(f"{path}: ")
-
-
 def assert_events(events: Events, begin: int = 0, offset_us: int = 0) -> None:
-    for got, wanted in zip((events.t_us, events.x, events.y, events.p), (T_US + offset_us, X, Y, P), strict=True):
-        np.testing.assert_array_equal(got, wanted[begin:])
+    assert_same(events, [column[begin:] for column in (T_US + offset_us, X, Y, P)])
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_every_layout_is_read_as_it_is(tmp_path: Path, name: str) -> None:
+def test_every_layout_and_every_window_of_it_is_read_as_it_is(tmp_path: Path, name: str) -> None:
     write, offset_us, sensor = LAYOUTS[name]
-    recording = read_recording(make(tmp_path / "events.bin", write))
+    path = make(tmp_path / "events.bin", write)
+    recording = read_recording(path)
     assert_events(recording.events, offset_us=offset_us)
     assert (recording.width, recording.height) == (sensor or (X.max() + 1, Y.max() + 1))
-
-
-@pytest.mark.parametrize("name", LAYOUTS)
-def test_a_window_is_the_part_of_the_whole(tmp_path: Path, name: str) -> None:
-    write, offset_us, _ = LAYOUTS[name]
-    path = make(tmp_path / "events.h5", write)
     for from_us in (1, 3000, 7321, int(T_US[-1] - T_US[0])):
         events = read_recording(path, from_us=from_us).events
         assert_events(events, int(np.searchsorted(T_US, T_US[0] + from_us)), offset_us)
@@ -291,7 +277,7 @@ def test_values_that_were_never_written_are_no_events(tmp_path: Path) -> None:
     assert refusal(make(tmp_path / "events.h5", write)) == "/events/t: holds 5 of 8 chunks: must hold all"
 
 
-def with_filter(code: int, name: str) -> Write:
+def with_filter(code: int) -> Write:
     def write(file: h5py.File) -> None:
         write_dsec(file)
         del file["events/t"]
@@ -308,13 +294,11 @@ def with_filter(code: int, name: str) -> Write:
 def test_a_compression_that_is_not_installed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(h5py.h5z, "filter_avail", lambda _: False)
     monkeypatch.setitem(sys.modules, "hdf5plugin", None)
-    assert refusal(make(tmp_path / "ecf.h5", with_filter(36559, "ecf"))) == (
-        "/events/t: is compressed by ECF (HDF5 filter 36559): "
-        "needs Prophesee's plugin hdf5_ecf in $HDF5_PLUGIN_PATH, or the recording as RAW"
-    )
-    assert refusal(make(tmp_path / "blosc.h5", with_filter(32001, "blosc"))) == (
-        "/events/t: is compressed by Blosc (HDF5 filter 32001): needs pip install 'evcot[hdf5]'"
-    )
+    for code, said in (
+        (36559, "ECF (HDF5 filter 36559): needs Prophesee's plugin hdf5_ecf in $HDF5_PLUGIN_PATH, or the recording as RAW"),
+        (32001, "Blosc (HDF5 filter 32001): needs pip install 'evcot[hdf5]'"),
+    ):
+        assert refusal(make(tmp_path / "events.h5", with_filter(code))) == f"/events/t: is compressed by {said}"
 
 
 def test_blosc_is_read_where_its_plugin_is_installed(tmp_path: Path) -> None:
@@ -348,14 +332,9 @@ def test_damage_is_told_or_does_not_matter(tmp_path: Path, surveyor: Surveyor, w
 
 
 def test_another_reader_finds_the_same(tmp_path: Path) -> None:
-    eventcv = pytest.importorskip("eventcv")
     path = make(tmp_path / "events.h5", write_dsec)
-    events = read_recording(path).events
-    x, y, t_us, p = np.asarray(eventcv.load(str(path), time_unit="microseconds").numpy()).T
-    np.testing.assert_array_equal(events.x, x)
-    np.testing.assert_array_equal(events.y, y)
-    np.testing.assert_array_equal(events.p, p > 0)
-    np.testing.assert_array_equal(events.t_us - events.t_us[0], t_us - t_us[0])
+    theirs = by_others("eventcv", path, time_unit="microseconds")
+    assert_events(Events(theirs.t_us - theirs.t_us[0] + T_US[0], theirs.x, theirs.y, theirs.p))
 
 
 @pytest.mark.parametrize("align", [False, True])
@@ -363,30 +342,19 @@ def test_another_reader_finds_the_same(tmp_path: Path) -> None:
 def test_whole_records_mean_what_columns_mean(tmp_path: Path, p: list[int], wanted: list[int] | None, align: bool) -> None:
     records = np.zeros(3, np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=align))
     records["x"], records["y"], records["p"], records["t"] = [5, 6, 7], [1, 2, 3], p, [10, 11, 12]
-    path = tmp_path / "events.h5"
-    with h5py.File(path, "w") as file:
-        file["CD/events"] = records
+    path = make(tmp_path / "events.h5", lambda file: file.create_dataset("CD/events", data=records))
     if wanted is None:
         assert refusal(path) == "event 2: p = 2: must be 0 or 1"
-        return
-    events = read_recording(path).events
-    assert (events.t_us.tolist(), events.x.tolist(), events.y.tolist()) == ([10, 11, 12], [5, 6, 7], [1, 2, 3])
-    assert events.p.tolist() == wanted
+    else:
+        assert rows_of(read_recording(path).events) == list(zip([10, 11, 12], [5, 6, 7], [1, 2, 3], wanted, strict=True))
 
 
 @pytest.mark.parametrize("place", ["raw_events", "camera/left/dvs"])
 def test_events_in_a_group_of_any_name(place: str, tmp_path: Path) -> None:
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        group = file.create_group(place)
+    def write(file: h5py.File) -> None:
         file.create_dataset("frames/t", data=np.arange(9))
-        for name, values in (
-            ("t", np.arange(4) * 1e-6),
-            ("x", [1, 2, 3, 4]),
-            ("y", [5, 6, 7, 8]),
-            ("p", [True, False, True, True]),
-        ):
-            group.create_dataset(name, data=values)
-    with open_recording(tmp_path / "a.h5") as found:
+        put(file.create_group(place), {"t": T_US * 1e-6, "x": X, "y": Y, "p": P.astype(bool)})
+
+    with open_recording(make(tmp_path / "a.h5", write)) as found:
         assert found.details["events"] == place
-        events = found.read().events
-    assert (events.t_us.tolist(), events.x.tolist(), events.p.tolist()) == ([0, 1, 2, 3], [1, 2, 3, 4], [1, 0, 1, 1])
+        assert_events(found.read().events)

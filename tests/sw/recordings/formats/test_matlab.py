@@ -16,9 +16,9 @@ from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 
 from .fuzzing import fuzz
+from .reading import assert_same, refusal
 
 COUNT = 60
-CORRUPTIONS = 10_000
 RANDOM = np.random.default_rng(5)
 T_US = np.sort(RANDOM.integers(0, 9000, COUNT))
 X, Y, P = (RANDOM.integers(0, limit, COUNT) for limit in (34, 30, 2))
@@ -35,40 +35,31 @@ def write(path: Path, content: dict[str, Any], **options: Any) -> Path:
     return path
 
 
-def write_7_3(path: Path, content: dict[str, Any]) -> Path:
+def write_7_3(path: Path, content: dict[str, Any], **storage: Any) -> Path:
+    """Arrays as they are stored, behind the head of a MATLAB file."""
     with h5py.File(path, "w", userblock_size=512) as file:
         for name, values in content.items():
-            file.create_dataset(f"TD/{name}", data=np.asarray(values, float)[None], chunks=(1, 25), compression="gzip")
+            file.create_dataset(name, data=values, **storage)
         file["#refs#/a"] = 1
     with path.open("r+b") as raw:
         raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
     return path
+
+
+def write_struct_7_3(path: Path, content: dict[str, Any]) -> Path:
+    arrays = {f"TD/{name}": np.asarray(values, float)[None] for name, values in content.items()}
+    return write_7_3(path, arrays, chunks=(1, 25), compression="gzip")
 
 
 def write_variables(path: Path, content: dict[str, Any], version: str, **storage: Any) -> Path:
     """Variables that are numbers, as MATLAB's `save` writes them: matrices of 7.3 are stored as rows for columns."""
     if version != "7.3":
         return write(path, content, do_compression=version == "7")
-    with h5py.File(path, "w", userblock_size=512) as file:
-        for name, values in content.items():
-            file.create_dataset(name, data=np.atleast_2d(values).T, **storage)
-        file["#refs#/a"] = 1
-    with path.open("r+b") as raw:
-        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
-    return path
+    return write_7_3(path, {name: np.atleast_2d(values).T for name, values in content.items()}, **storage)
 
 
-def refusal(path: Path) -> str:
-    with pytest.raises(RecordingError) as caught:
-        read_recording(path)
-    message = str(caught.value)
-    assert message.isprintable()
-    return message.removeprefix(f"{path}: ")
-
-
-def assert_events(events: Events) -> None:
-    for got, wanted in zip((events.t_us, events.x, events.y, events.p), (T_US, X, Y, P), strict=True):
-        np.testing.assert_array_equal(got, wanted)
+def assert_events(events: Events, later_us: int = 0) -> None:
+    assert_same(events, (T_US + later_us, X, Y, P))
 
 
 @pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
@@ -83,13 +74,10 @@ def test_every_coding_is_told_from_the_data(tmp_path: Path, first: int, coding: 
         assert file.sensor == (X.max() + 1, Y.max() + 1)
 
 
-def test_a_struct_of_another_name_and_more_fields_is_found(tmp_path: Path) -> None:
+def test_a_struct_of_another_name_and_more_fields_or_of_version_7_3_is_found(tmp_path: Path) -> None:
     content = {"recording": {"label": "seven", **struct(1, P + 1), "cells": np.array([1, "a"], object)}}
     assert_events(read_recording(write(tmp_path / "events.mat", content)).events)
-
-
-def test_version_7_3_is_read_too(tmp_path: Path) -> None:
-    assert_events(read_recording(write_7_3(tmp_path / "events.mat", struct(1, P + 1))).events)
+    assert_events(read_recording(write_struct_7_3(tmp_path / "new.mat", struct(1, P + 1))).events)
 
 
 def test_big_endian_files_are_read(tmp_path: Path) -> None:
@@ -112,10 +100,9 @@ def test_big_endian_files_are_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("names", [("x", "y", "pol", "t"), ("xs", "ys", "polarity", "timestamp")])
 def test_the_fields_may_be_called_otherwise(tmp_path: Path, names: tuple[str, ...]) -> None:
-    content = dict(zip(names, struct(0, P).values(), strict=True)) | {"note": "text"}
-    assert_events(read_recording(write(tmp_path / "events.mat", {"events": content})).events)
-    del content["note"]
-    assert_events(read_recording(write_7_3(tmp_path / "new.mat", content)).events)
+    content = dict(zip(names, struct(0, P).values(), strict=True))
+    assert_events(read_recording(write(tmp_path / "events.mat", {"events": content | {"note": "text"}})).events)
+    assert_events(read_recording(write_struct_7_3(tmp_path / "new.mat", content)).events)
 
 
 @pytest.mark.parametrize(
@@ -137,11 +124,19 @@ def test_a_struct_that_breaks_a_rule_is_refused(tmp_path: Path, content: dict[st
     assert all(part in got for part in parts)
 
 
-@pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
-def test_damage_is_told_or_does_not_matter(tmp_path: Path, compressed: bool) -> None:
-    content = write(tmp_path / "whole.mat", {"TD": struct(1, P + 1, np.uint16)}, do_compression=compressed).read_bytes()
-    outcomes = fuzz(tmp_path / "events.mat", content, corruptions=CORRUPTIONS, seed=31)
-    assert outcomes.refused > len(content) // 2
+@pytest.mark.parametrize(
+    ("content", "compressed", "corruptions"),
+    [
+        ({"TD": struct(1, P + 1, np.uint16)}, False, 10_000),
+        ({"TD": struct(1, P + 1, np.uint16)}, True, 10_000),
+        ({"events": np.stack([T_US + 70_000, X, Y, P], axis=1).astype(np.uint32)}, False, 1_000),
+    ],
+    ids=["plain", "compressed", "matrix"],
+)
+def test_damage_is_told_or_does_not_matter(tmp_path: Path, content: dict[str, Any], compressed: bool, corruptions: int) -> None:
+    whole = write(tmp_path / "whole.mat", content, do_compression=compressed).read_bytes()
+    outcomes = fuzz(tmp_path / "events.mat", whole, corruptions=corruptions, seed=31)
+    assert outcomes.refused > len(whole) // 2
     assert outcomes.read
 
 
@@ -156,10 +151,8 @@ def test_of_several_structs_the_one_with_changes_is_read_and_the_others_are_name
     if version == "5":
         write(path, {"EM": exposures(), "TD": struct(0, P), "more": exposures()}, do_compression=True)
     else:
-        write_7_3(path, struct(0, P))
-        with h5py.File(path, "r+") as file:
-            for name, values in exposures().items():
-                file[f"EM/{name}"] = np.asarray(values, float)[None]
+        structs = {"TD": struct(0, P), "EM": exposures()}
+        write_7_3(path, {f"{name}/{field}": [values] for name, each in structs.items() for field, values in each.items()})
     with open_recording(path) as file:
         assert file.details["struct"] == "TD"
         assert file.details["also holds"] == ("EM, more" if version == "5" else "EM")
@@ -194,7 +187,7 @@ def test_a_matrix_of_four_columns_is_read_in_any_order(
         assert file.details["matrix"] == "events"
         assert file.details["columns"].startswith(f"{', '.join(order)}, assumed by their values; ")
         assert file.details["times in"] == ("seconds" if kind == "seconds" else "microseconds")
-    assert_events(Events(events.t_us - 70_000, events.x, events.y, events.p))
+    assert_events(events, 70_000)
 
 
 @pytest.mark.parametrize("chunks", [(1, 25), (2, 25), (4, 7), (4, COUNT)])
@@ -202,8 +195,7 @@ def test_a_matrix_of_four_columns_is_read_in_any_order(
 def test_a_matrix_of_version_7_3_may_be_in_chunks(tmp_path: Path, chunks: tuple[int, int], filters: dict[str, Any]) -> None:
     rows = np.stack([X, Y, T_US + 70_000, P], axis=1).astype(float)
     path = write_variables(tmp_path / "events.mat", {"m": rows}, "7.3", chunks=chunks, **filters)
-    events = read_recording(path).events
-    assert_events(Events(events.t_us - 70_000, events.x, events.y, events.p))
+    assert_events(read_recording(path).events, 70_000)
 
 
 def test_of_several_matrices_of_version_7_3_the_longest_is_read_or_the_named(tmp_path: Path) -> None:
@@ -234,17 +226,7 @@ def test_a_struct_comes_before_a_matrix_and_small_matrices_are_no_events(tmp_pat
     content = {"camera": np.ones((90, 4)), "TD": struct(0, P)}
     assert_events(read_recording(write(tmp_path / "events.mat", content)).events)
     assert "event 0: x = 0.5: must be a whole number" in refusal(write(tmp_path / "k.mat", {"k": np.full((4, 4), 0.5)}))
-
-
-def test_damage_to_a_matrix(tmp_path: Path) -> None:
-    rows = np.stack([T_US + 70_000, X, Y, P], axis=1).astype(np.uint32)
-    content = write(tmp_path / "whole.mat", {"events": rows}).read_bytes()
-    outcomes = fuzz(tmp_path / "events.mat", content, corruptions=1000, seed=32)
-    assert outcomes.refused > len(content) // 2
-
-
-def test_a_matrix_that_has_no_times_is_refused(tmp_path: Path) -> None:
-    message = refusal(write(tmp_path / "events.mat", {"m": np.stack([X, Y, X, P], axis=1)}))
+    message = refusal(write(tmp_path / "m.mat", {"m": np.stack([X, Y, X, P], axis=1)}))
     assert message.startswith("m: columns without names: ")
 
 

@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 import itertools
-import shutil
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -24,8 +23,10 @@ from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import ros
 from evcot.recordings.formats.ros_messages import read_stamped
+from support.refusals import refused
 
 from .fuzzing import cut_lengths, fuzz, sample_of
+from .reading import Row, assert_same, by_others, refusal, rows_of
 from .reference_evt import evt3_base, evt3_event, evt3_high, evt3_low, evt3_row, evt3_vector12, reference
 
 WIDTH, HEIGHT = 64, 48
@@ -112,31 +113,28 @@ class Maker:
         return self.store.types["std_msgs/msg/String"](text)
 
 
-def refusal(path: Path) -> str:
-    with pytest.raises(RecordingError) as caught:
-        read_recording(path)
-    message = str(caught.value)
-    assert message.startswith(f"{path}: ")
-    assert message.isprintable()
-    return message.removeprefix(f"{path}: ")
-
-
 def assert_events(events: Events, begin: int = 0, end: int = COUNT) -> None:
-    for got, wanted in zip((events.t_us, events.x, events.y, events.p), (T_NS // 1000, X, Y, P), strict=True):
-        np.testing.assert_array_equal(got, wanted[begin:end])
+    assert_same(events, [column[begin:end] for column in (T_NS // 1000, X, Y, P)])
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_stamped_events_are_read_from_every_kind_of_bag(tmp_path: Path, kind: str) -> None:
+def test_stamped_events_and_every_window_of_them_are_read_from_every_kind_of_bag(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     maker = Maker(kind)
-    with open_recording(maker.write(tmp_path, maker.arrays())) as file:
+    path = maker.write(tmp_path, maker.arrays())
+    with open_recording(path) as file:
         assert_events(file.read().events)
         assert file.sensor == (WIDTH, HEIGHT)
         assert file.details == {"topic": "/dvs/events"}
+    monkeypatch.setattr(ros, "BLOCK_EVENTS", 20)
+    t_us = T_NS // 1000
+    for at in (1, 17, 50, COUNT - 1):
+        assert_events(read_recording(path, from_us=int(t_us[at] - t_us[0])).events, at)
 
 
 @pytest.mark.parametrize("kind", ["ros1", "ros2-sqlite3", "ros2-mcap"])
-def test_the_library_s_own_deserialisation_agrees(tmp_path: Path, kind: str) -> None:
+def test_the_library_s_own_deserialisation_agrees_and_another_reader(tmp_path: Path, kind: str) -> None:
     maker = Maker(kind)
     path = maker.write(tmp_path, maker.arrays())
     with AnyReader([path], default_typestore=maker.store) as reader:
@@ -146,17 +144,9 @@ def test_the_library_s_own_deserialisation_agrees(tmp_path: Path, kind: str) -> 
             for event in reader.deserialize(data, connection.msgtype).events
         ]
     events = read_recording(path).events
-    assert list(zip(events.t_us.tolist(), events.x.tolist(), events.y.tolist(), events.p.tolist(), strict=True)) == rows
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_window_is_the_part_of_the_whole(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ros, "BLOCK_EVENTS", 20)
-    maker = Maker(kind)
-    path = maker.write(tmp_path, maker.arrays())
-    t_us = T_NS // 1000
-    for at in (1, 17, 50, COUNT - 1):
-        assert_events(read_recording(path, from_us=int(t_us[at] - t_us[0])).events, at)
+    assert rows_of(events) == rows
+    if kind == "ros1":
+        assert_same(by_others("eventcv", path, topic="/dvs/events"), events)
 
 
 def test_messages_that_end_before_the_window_are_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -193,8 +183,7 @@ def test_packets_of_evt3_are_one_stream_wherever_they_are_cut(
     with open_recording(maker.write(tmp_path, maker.packets(payloads, "evt3", big=big))) as file:
         events = file.read().events
         assert file.details == {"topic": "/camera/events", "encoding": "evt3"}
-    rows = list(zip(events.t_us.tolist(), events.x.tolist(), events.y.tolist(), events.p.tolist(), strict=True))
-    assert rows == wanted
+    assert rows_of(events) == wanted
 
 
 def test_events_before_the_first_time_mark_are_counted(tmp_path: Path) -> None:
@@ -225,7 +214,6 @@ def test_libcaer_packets_go_on_where_their_31_bits_wrap_around(tmp_path: Path) -
 
 # libcaer_cmp, by its table of words: what a word's upper four bits say about the lower twelve.
 CMP_TIME_HIGH, CMP_TIME_LOW, CMP_X, CMP_Y, CMP_BASE_Y, CMP_VECTOR_8 = range(6)
-Row = tuple[int, int, int, int]
 
 
 def cmp_words(rows: list[Row], base_us: int) -> list[int]:
@@ -272,10 +260,6 @@ def cmp_rows() -> list[Row]:
     return list(dict.fromkeys(rows))
 
 
-def as_rows(events: Events) -> list[Row]:
-    return list(zip(events.t_us.tolist(), events.x.tolist(), events.y.tolist(), events.p.tolist(), strict=True))
-
-
 @pytest.mark.parametrize("block_events", [1, 9, 1 << 15])
 @pytest.mark.parametrize("big", [False, True], ids=["little", "big"])
 @pytest.mark.parametrize("kind", ["ros1", "mcap"])
@@ -294,7 +278,7 @@ def test_libcaer_cmp_packets_count_from_their_time_base_and_hold_columns(
             yield from maker.packets([words.tobytes()], "libcaer_cmp", base_ns=1000 * part[0][0] + 999, big=big)
 
     with open_recording(maker.write(tmp_path, messages())) as file:
-        assert as_rows(file.read().events) == rows
+        assert rows_of(file.read().events) == rows
         assert file.details == {"topic": "/camera/events", "encoding": "libcaer_cmp"}
 
 
@@ -312,7 +296,7 @@ def test_libcaer_cmp_by_hand(tmp_path: Path) -> None:
     path = maker.write(tmp_path, maker.packets([content], "libcaer_cmp", base_ns=10**15 + 1))
     t0_us = 10**12
     with pytest.warns(RecordingWarning, match="1 events run back in time, by at most 4096 us"):
-        rows = as_rows(read_recording(path).events)
+        rows = rows_of(read_recording(path).events)
     assert rows == [
         *((t0_us, 5, 7, 1), (t0_us + 30, 5, 8, 0), (t0_us + 30, 5, 15, 0), (t0_us + 30, 5, 17, 0)),
         *((t0_us + 8222, 6, 9, 0), (t0_us + 8222, 6, 10, 0)),
@@ -326,13 +310,13 @@ def test_what_libcaer_cmp_does_not_define_is_counted(tmp_path: Path) -> None:
     payloads = [np.array(words, "<u2").tobytes() for words in (first, second)]
     path = maker.write(tmp_path, maker.packets(payloads, "libcaer_cmp"))
     with pytest.warns(RecordingWarning) as caught:
-        assert as_rows(read_recording(path).events) == [(0, 2, 3, 0), (0, 5, 6, 0)]
+        assert rows_of(read_recording(path).events) == [(0, 2, 3, 0), (0, 5, 6, 0)]
     assert [str(each.message).removeprefix(f"{path}: ") for each in caught] == [
         "6 events left out: they precede any address",
         "2 events left out: words of a type that libcaer_cmp does not define",
     ]
-    shutil.rmtree(tmp_path / "bag")
-    path = maker.write(tmp_path, maker.packets([payloads[1] + b"\1"], "libcaer_cmp"))
+    (tmp_path / "odd").mkdir()
+    path = maker.write(tmp_path / "odd", maker.packets([payloads[1] + b"\1"], "libcaer_cmp"))
     assert refusal(path) == "has 11 bytes of events: must be a multiple of 2"
 
 
@@ -360,16 +344,16 @@ def test_the_first_topic_with_events_is_read_and_the_others_are_named(tmp_path: 
 
 def test_what_is_no_bag_of_events_is_refused(tmp_path: Path) -> None:
     maker = Maker("mcap")
-    string = maker.write(tmp_path, iter([("/a", "std_msgs/msg/String", 1, maker.string("text"))]))
-    assert refusal(string).endswith("EventPacket, event_array_msgs/EventArray): holds std_msgs/String")
-    shutil.rmtree(tmp_path / "bag")
-    assert refusal(maker.write(tmp_path, maker.packets([b"abcd"], "zip"))) == (
-        "topic /camera/events, message 0: encoding 'zip': must be one of evt3, libcaer_cmp, mono, libcaer"
-    )
-    shutil.rmtree(tmp_path / "bag")
-    assert refusal(maker.write(tmp_path, maker.packets([b""], "evt3"))) == "holds no events in /camera/events"
-    (tmp_path / "a.db3").write_bytes(b"SQLite format 3\0")
-    assert refusal(tmp_path / "a.db3").startswith("cannot be opened as a ROS 2 bag: ")
+    for number, (messages, said) in enumerate((
+        (iter([("/a", "std_msgs/msg/String", 1, maker.string("text"))]),
+         "EventPacket, event_array_msgs/EventArray): holds std_msgs/String"),
+        (maker.packets([b"abcd"], "zip"),
+         "topic /camera/events, message 0: encoding 'zip': must be one of evt3, libcaer_cmp, mono, libcaer"),
+        (maker.packets([b""], "evt3"), "holds no events in /camera/events"),
+    )):  # fmt: skip
+        (tmp_path / str(number)).mkdir()
+        assert refusal(maker.write(tmp_path / str(number), messages)).endswith(said)
+    assert refusal(tmp_path / "a.db3", b"SQLite format 3\0").startswith("cannot be opened as a ROS 2 bag: ")
 
 
 @pytest.mark.parametrize("kind", ["ros1", "mcap"])
@@ -377,53 +361,39 @@ def test_messages_that_break_a_rule_are_named(tmp_path: Path, kind: str) -> None
     maker = Maker(kind)
     broken = maker.array(5, 9)
     broken.events[2].ts.nanosec = 10**9
-    path = maker.write(tmp_path, iter([("/d", DVS, 1, broken)]))
-    assert refusal(path) == "event 2 of its message: nanoseconds = 1000000000: must be below 10^9"
-    path.unlink()
-    shutil.rmtree(tmp_path / "bag", ignore_errors=True)
-    arrays = [("/d", DVS, 1, maker.array(0, 3)), ("/d", DVS, 2, maker.array(3, 6, sensor=(5, 5)))]
-    assert refusal(maker.write(tmp_path, iter(arrays))) == (
-        "topic /d, message 1: sensor and encoding are ((5, 5), 'stamped'): must be ((64, 48), 'stamped'), as before"
-    )
+    for name, arrays, said in (
+        ("time", [broken], "event 2 of its message: nanoseconds = 1000000000: must be below 10^9"),
+        (
+            "sensor", [maker.array(0, 3), maker.array(3, 6, sensor=(5, 5))],
+            "topic /d, message 1: sensor and encoding are ((5, 5), 'stamped'): must be ((64, 48), 'stamped'), as before",
+        ),
+    ):  # fmt: skip
+        (tmp_path / name).mkdir()
+        assert refusal(maker.write(tmp_path / name, (("/d", DVS, i, each) for i, each in enumerate(arrays, 1)))) == said
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
+    ("start", "said"),
     [
-        *(
-            (bytes.fromhex(start), f"is encoded as {start}: must be little-endian CDR, 0001")
-            for start in ("", "0001", "000100")
-        ),
-        (bytes.fromhex("00000000"), "is encoded as 00000000: must be little-endian CDR, 0001"),
-        (bytes.fromhex("00010000"), "of 4 bytes has a field that needs 8; is it cut off?"),
+        *((start, f"is encoded as {start}: must be little-endian CDR, 0001") for start in ("", "0001", "000100", "00000000")),
+        ("00010000", "of 4 bytes has a field that needs 8; is it cut off?"),
     ],
 )
-def test_a_message_shorter_than_its_encoding_is_refused(data: bytes, said: str) -> None:
-    with pytest.raises(RecordingError) as caught:
-        read_stamped(data, is_cdr=True)
-    assert str(caught.value) == said
+def test_a_message_shorter_than_its_encoding_is_refused(start: str, said: str) -> None:
+    with refused(RecordingError, said):
+        read_stamped(bytes.fromhex(start), is_cdr=True)
 
 
-def test_a_bag_that_was_cut_off_gives_what_is_before_the_cut(tmp_path: Path) -> None:
+def test_a_bag_that_was_cut_off_gives_every_whole_message_before_the_cut(tmp_path: Path) -> None:
     maker = Maker("ros1")
     path = maker.write(tmp_path, maker.arrays())
     content = path.read_bytes()
     index_at = int.from_bytes(content[content.index(b"index_pos=") + 10 :][:8], "little")
-    path.write_bytes(content[: index_at - 1])
-    assert refusal(path).endswith("is it cut off?")
-    with pytest.warns(RecordingWarning, match=f"everything after {COUNT} events left out"):
-        assert_events(read_recording(path, damage="skip").events)
-
-
-def test_of_a_chunk_that_was_cut_off_every_whole_message_is_read(tmp_path: Path) -> None:
-    maker = Maker("ros1")
-    path = maker.write(tmp_path, maker.arrays())
-    content = path.read_bytes()
     last = content.rindex(b"ccccc")  # the header of the last message with events
-    path.write_bytes(content[: last + 20])
-    assert refusal(path).endswith("is it cut off?")
-    with pytest.warns(RecordingWarning, match="everything after 85 events left out: .*is it cut off"):
-        assert_events(read_recording(path, damage="skip").events, 0, 85)
+    for length, count in ((index_at - 1, COUNT), (last + 20, 85)):
+        assert refusal(path, content[:length]).endswith("is it cut off?")
+        with pytest.warns(RecordingWarning, match=f"everything after {count} events left out: .*is it cut off"):
+            assert_events(read_recording(path, damage="skip").events, 0, count)
 
 
 def test_of_a_packed_chunk_that_was_cut_off_whole_blocks_are_read(tmp_path: Path) -> None:
@@ -438,26 +408,18 @@ def test_of_a_packed_chunk_that_was_cut_off_whole_blocks_are_read(tmp_path: Path
         assert_events(read_recording(path, damage="skip").events)
 
 
-def test_a_message_that_the_index_does_not_count_is_missed(tmp_path: Path) -> None:
+def test_an_index_that_counts_too_many_is_damage_and_one_that_counts_too_few_a_warning(tmp_path: Path) -> None:
     maker = Maker("ros1")
     path = maker.write(tmp_path, maker.arrays())
     content = path.read_bytes()
     last = content.rindex((7).to_bytes(4, "little"))
-    path.write_bytes(content[:last] + (8).to_bytes(4, "little") + content[last + 4 :])
-    assert refusal(path) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must not be fewer"
-
-
-def test_an_index_that_counts_too_few_is_a_warning_and_one_that_counts_none_says_nothing(tmp_path: Path) -> None:
-    maker = Maker("ros1")
-    path = maker.write(tmp_path, maker.arrays())
-    content = path.read_bytes()
-    last = content.rindex((7).to_bytes(4, "little"))
-    path.write_bytes(content[:last] + (6).to_bytes(4, "little") + content[last + 4 :])
+    more, fewer = (content[:last] + count.to_bytes(4, "little") + content[last + 4 :] for count in (8, 6))
+    assert refusal(path, more) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must not be fewer"
+    path.write_bytes(fewer)
     with pytest.warns(RecordingWarning) as caught:
         assert_events(read_recording(path).events)
-    assert [str(each.message) for each in caught] == [
-        f"{path}: topic /dvs/events: 7 messages in the chunks, 6 in the index: all are read"
-    ]
+    said = f"{path}: topic /dvs/events: 7 messages in the chunks, 6 in the index: all are read"
+    assert [str(each.message) for each in caught] == [said]
 
 
 def test_a_bag_that_counts_too_few_messages_is_a_warning_and_one_that_counts_none_says_nothing(tmp_path: Path) -> None:
@@ -498,14 +460,3 @@ def test_damage_is_told_or_does_not_matter(tmp_path: Path, kind: str, damage: An
     for length in cut_lengths(content[:-20], 100):
         cut.write_bytes(content[:length])
         refusal(cut)
-
-
-def test_another_reader_finds_the_same(tmp_path: Path) -> None:
-    eventcv: Any = pytest.importorskip("eventcv")
-    load: Callable[..., Any] = eventcv.load
-    maker = Maker("ros1")
-    path = maker.write(tmp_path, maker.arrays())
-    events = read_recording(path).events
-    x, y, t_us, p = np.asarray(load(str(path), topic="/dvs/events").numpy()).astype(np.int64).T
-    for got, wanted in zip((events.t_us, events.x, events.y, events.p), (t_us, x, y, p > 0), strict=True):
-        np.testing.assert_array_equal(got, wanted)

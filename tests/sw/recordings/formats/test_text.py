@@ -12,29 +12,11 @@ from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording, write_events
 from evcot.recordings.formats import text
-from evcot.recordings.formats.source import Sensor
 
 from .fuzzing import fuzz
+from .reading import assert_same, by_others, read, refusal, rows_of, written_by_faery
 
 EPOCH_US = 1_718_925_184_590_631
-
-
-def rows(path: Path, sensor: Sensor | None = None) -> list[tuple[int, ...]]:
-    events = read_recording(path, sensor).events
-    return list(zip(events.t_us.tolist(), events.x.tolist(), events.y.tolist(), events.p.tolist(), strict=True))
-
-
-def read(path: Path, content: str | bytes) -> list[tuple[int, ...]]:
-    path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return rows(path)
-
-
-def refusal(path: Path, content: str | bytes) -> str:
-    with pytest.raises(RecordingError) as caught:
-        read(path, content)
-    assert str(caught.value).startswith(f"{path}: ")
-    assert str(caught.value).isprintable()
-    return str(caught.value).removeprefix(f"{path}: ")
 
 
 @pytest.fixture
@@ -179,13 +161,12 @@ def random_events(count: int, start_us: int = EPOCH_US) -> Events:
 def test_where_chunks_are_cut_does_not_matter(path: Path, monkeypatch: pytest.MonkeyPatch, chunk_bytes: int, end: str) -> None:
     write_events(path, (65536, 10), [random_events(500, start_us=-EPOCH_US)])
     path.write_bytes(path.read_bytes().replace(b"\n", end.encode()).rstrip())
-    whole = rows(path)
+    whole = rows_of(read_recording(path).events)
     assert len(whole) == 500
     monkeypatch.setattr(text, "_CHUNK_BYTES", chunk_bytes)
-    assert rows(path) == whole
-    path.write_bytes(path.read_bytes() + b"\n1,2,3,a")
-    with pytest.raises(RecordingError, match=rf"line {path.read_bytes().count(10) + 1}: p = 'a': must be 0, 1 or -1"):
-        rows(path)
+    assert rows_of(read_recording(path).events) == whole
+    wrong = path.read_bytes() + b"\n1,2,3,a"
+    assert refusal(path, wrong).startswith(f"line {wrong.count(10) + 1}: p = 'a': must be 0, 1 or -1")
 
 
 def test_text_is_written_to_the_digit(path: Path) -> None:
@@ -200,25 +181,12 @@ def test_text_is_written_to_the_digit(path: Path) -> None:
     assert lines[3:] == ["0,10,10,0", "9,99,99,1", "10,345,345,0", "99999,9999,9999,1", "4611686018427387904,65535,65535,0"]
 
 
-def test_another_reader_takes_what_was_written(path: Path) -> None:
-    faery = pytest.importorskip("faery")
+def test_faery_reads_what_was_written_and_its_files_are_read(path: Path) -> None:
     events = random_events(1000)
     events = Events(events.t_us, events.x % 1280, events.y, events.p)
     write_events(path, (1280, 10), [events])
-    packet = faery.events_stream_from_file(path).to_array()
-    for field, column in (("t", events.t_us), ("x", events.x), ("y", events.y), ("on", events.p)):
-        np.testing.assert_array_equal(packet[field].astype(np.int64), column)
-
-
-def test_what_another_writer_writes_is_read(path: Path) -> None:
-    faery = pytest.importorskip("faery")
-    events = random_events(1000)
-    packet = np.zeros(len(events), faery.EVENTS_DTYPE)
-    packet["t"], packet["x"], packet["y"], packet["on"] = events.t_us, events.x, events.y, events.p
-    faery.events_stream_from_array(packet, (65535, 10)).to_file(path)
-    recording = read_recording(path, (65536, 10))
-    np.testing.assert_array_equal(recording.events.t_us, events.t_us)
-    np.testing.assert_array_equal(recording.events.x, events.x)
+    assert_same(by_others("faery", path), events)
+    assert_same(read_recording(written_by_faery(path, events, (1280, 10)), (1280, 10)).events, events)
 
 
 def test_a_file_that_shrinks_while_it_is_read_is_refused(path: Path) -> None:
@@ -230,29 +198,21 @@ def test_a_file_that_shrinks_while_it_is_read_is_refused(path: Path) -> None:
 
 
 def test_a_damaged_file_is_refused_or_read(tmp_path: Path) -> None:
-    path = tmp_path / "events.csv"
-    write_events(path, (65536, 10), [random_events(40)])
-    outcomes = fuzz(path, path.read_bytes(), usual=1_000, seed=1)
-    assert min(outcomes.refused, outcomes.read) > 100
-    path = tmp_path / "events.txt"
-    content = "346 260\n" + "".join(f"{i / 7:.6f} {i} {i} {i % 2}\n" for i in range(50))
-    outcomes = fuzz(path, content.encode(), usual=1_000, seed=2)
-    assert min(outcomes.refused, outcomes.read) > 100
+    write_events(tmp_path / "events.csv", (65536, 10), [random_events(40)])
+    seconds = "346 260\n" + "".join(f"{i / 7:.6f} {i} {i} {i % 2}\n" for i in range(50))
+    for seed, content in ((1, (tmp_path / "events.csv").read_bytes()), (2, seconds.encode())):
+        outcomes = fuzz(tmp_path / f"{seed}.txt", content, usual=1_000, seed=seed)
+        assert min(outcomes.refused, outcomes.read) > 100
 
 
 def test_decimal_commas_between_semicolons(path: Path) -> None:
     for head in ("t;x;y;p\n", ""):
-        path.write_text(head + "0,000019;50;102;0\n0,000205;52;104;1\n")
+        assert read(path, head + "0,000019;50;102;0\n0,000205;52;104;1\n") == [(19, 50, 102, 0), (205, 52, 104, 1)]
         with open_recording(path) as file:
-            events = file.read().events
-            assert (events.t_us.tolist(), events.x.tolist(), events.y.tolist()) == ([19, 205], [50, 52], [102, 104])
             assert file.details["decimal mark"] == "comma"
-    path.write_text("t;x;y;p\n0,000019;50;1,5;0\n")
-    with pytest.raises(RecordingError, match=r"line 2: y = '1.5': must be a whole number"):
-        read_recording(path)
+    assert refusal(path, "t;x;y;p\n0,000019;50;1,5;0\n").startswith("line 2: y = '1.5': must be a whole number")
 
 
 def test_a_pointer_of_git_lfs_is_named(path: Path) -> None:
-    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a2146\nsize 12345\n")
-    with pytest.raises(RecordingError, match="is a pointer of Git LFS, without the data: get these with `git lfs pull`"):
-        read_recording(path)
+    pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a2146\nsize 12345\n"
+    assert "is a pointer of Git LFS, without the data: get these with `git lfs pull`" in refusal(path, pointer)
