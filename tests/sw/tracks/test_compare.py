@@ -4,13 +4,20 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from functools import partial
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
+from evcot.tracks import track_pairs
 from evcot.tracks.compare import MergePair, TrackPair, compare
 from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import MERGE
+from evcot.tracks.track_pairs import best_pairs, closest_pairs, pair_merges
 from support import logs
 
 MS = 1_000
@@ -20,25 +27,14 @@ log_of = partial(logs.log_of, unit_us=MS)
 
 # Two objects: the first from 10 to 90 ms, the second from 20 ms until it is absorbed by the first at 50 ms.
 HARDWARE = log_of(
-    [
-        (10, Kind.BORN, 0, 10.0, 10.0),
-        (20, Kind.BORN, 1, 60.0, 10.0),
-        (50, Kind.MERGED, 1, 60.0, 10.0, 0),
-        (50, Kind.MOVED, 0, 35.0, 10.0),
-        (90, Kind.LOST, 0, 35.0, 10.0),
-    ]
-)
+    [(10, Kind.BORN, 0, 10.0, 10.0), (20, Kind.BORN, 1, 60.0, 10.0), (50, Kind.MERGED, 1, 60.0, 10.0, 0),
+     (50, Kind.MOVED, 0, 35.0, 10.0), (90, Kind.LOST, 0, 35.0, 10.0)]
+)  # fmt: skip
 # The same, seen 5 ms later and 3 px lower, with the ids in another order and an object of its own at the end.
 SOFTWARE = log_of(
-    [
-        (15, Kind.BORN, 7, 10.0, 13.0),
-        (25, Kind.BORN, 4, 60.0, 13.0),
-        (55, Kind.MERGED, 4, 60.0, 13.0, 7),
-        (55, Kind.MOVED, 7, 35.0, 13.0),
-        (95, Kind.BORN, 9, 200.0, 13.0),
-        (95, Kind.LOST, 7, 35.0, 13.0),
-    ]
-)
+    [(15, Kind.BORN, 7, 10.0, 13.0), (25, Kind.BORN, 4, 60.0, 13.0), (55, Kind.MERGED, 4, 60.0, 13.0, 7),
+     (55, Kind.MOVED, 7, 35.0, 13.0), (95, Kind.BORN, 9, 200.0, 13.0), (95, Kind.LOST, 7, 35.0, 13.0)]
+)  # fmt: skip
 SPAN = (0, 99 * MS)
 
 
@@ -158,23 +154,15 @@ def test_an_end_that_only_one_side_saw_does_not_correspond() -> None:
 def test_tracks_pair_by_their_time_together_and_each_only_once() -> None:
     """One long hardware track, which software saw as two: the longer part is its partner."""
     whole = log_of([(0, Kind.BORN, 0, 10.0, 10.0), (100, Kind.LOST, 0, 10.0, 10.0)])
-    parts = log_of(
-        [
-            (0, Kind.BORN, 0, 10.0, 10.0),
-            (40, Kind.LOST, 0, 10.0, 10.0),
-            (40, Kind.BORN, 1, 10.0, 10.0),
-            (100, Kind.LOST, 1, 10.0, 10.0),
-        ]
-    )
-    agreement = compare(whole, parts)
+    times = ((0, Kind.BORN, 0), (40, Kind.LOST, 0), (40, Kind.BORN, 1), (100, Kind.LOST, 1))
+    agreement = compare(whole, log_of([(*row, 10.0, 10.0) for row in times]))
     assert agreement.tracks == (TrackPair(0, 1, 60 * MS, 40 * MS, 0, False),)
     assert agreement.tracks_unpaired_software == (0,)
     assert agreement.paired_fraction_hardware == 1.0
 
 
 def test_clusters_of_different_moments_are_never_paired() -> None:
-    early = log_of([(0, Kind.BORN, 0, 0.0, 10.0), (10, Kind.LOST, 0, 0.0, 10.0)])
-    late = log_of([(10, Kind.BORN, 0, 0.0, 10.0), (20, Kind.LOST, 0, 0.0, 10.0)])
+    early, late = (log_of([(t, Kind.BORN, 0, 0.0, 10.0), (t + 10, Kind.LOST, 0, 0.0, 10.0)]) for t in (0, 10))
     agreement = compare(early, late, radius_px=1000.0)
     assert agreement.paired_fraction_hardware == agreement.paired_fraction_software == 0.0
     assert agreement.distance_median_px is None
@@ -223,3 +211,99 @@ def test_the_clock_spans_both_logs_and_stays_coarse_enough() -> None:
 def test_values_outside_their_range_are_refused(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         compare(EMPTY, EMPTY, **arguments)  # type: ignore[arg-type]
+
+
+def every_pairing(left: NDArray[np.int64], right: NDArray[np.int64]) -> list[list[int]]:
+    """All sets of pairs in which no element stands twice."""
+    pairings: list[list[int]] = [[]]
+    for k in range(len(left)):
+        pairings += [[*p, k] for p in pairings if all(left[k] != left[q] and right[k] != right[q] for q in p)]
+    return pairings
+
+
+def random_pairs(seed: int) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    rng = np.random.default_rng(seed)
+    allowed = rng.permutation(30)[: rng.integers(1, 13)]  # of 6 x 5
+    return allowed // 5 + 100, allowed % 5, rng.random(len(allowed))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_best_pairs_gain_the_most_and_closest_pairs_are_most_then_cheapest(seed: int) -> None:
+    left, right, weight = random_pairs(seed)
+    pairings = every_pairing(left, right)
+    best, closest = best_pairs(left, right, weight).tolist(), closest_pairs(left, right, weight).tolist()
+    assert best in pairings
+    assert closest in pairings
+    assert weight[best].sum() == pytest.approx(max(weight[p].sum() for p in pairings))
+    assert len(closest) == max(len(p) for p in pairings)
+    assert weight[closest].sum() == pytest.approx(min(weight[p].sum() for p in pairings if len(p) == len(closest)))
+
+
+def test_one_close_pair_gives_way_to_two_that_are_farther_apart() -> None:
+    left, right, none = np.array([0, 0, 1]), np.array([0, 1, 0]), np.empty(0, np.int64)
+    assert closest_pairs(left, right, np.array([0.1, 9.0, 9.0])).tolist() == [1, 2]
+    assert best_pairs(left, right, np.array([9.0, 1.0, 1.0])).tolist() == [0]
+    assert closest_pairs(np.array([0, 1]), np.array([0, 1]), np.zeros(2)).tolist() == [0, 1], "equal costs of nothing"
+    assert len(best_pairs(none, none, np.empty(0))) == len(closest_pairs(none, none, np.empty(0))) == 0
+
+
+def test_assignment_is_that_of_scipy_without_importing_its_package() -> None:
+    program = """
+import sys
+import numpy as np
+from evcot.tracks.track_pairs import assignment
+gains = [np.random.default_rng(seed).integers(0, 4, (5, 7)).astype(float) for seed in range(50)]
+found = [assignment(gain) for gain in gains]
+assert "scipy.optimize" not in sys.modules
+from scipy.optimize import linear_sum_assignment
+for gain, pairs in zip(gains, found, strict=True):
+    np.testing.assert_array_equal(pairs, linear_sum_assignment(gain, maximize=True))
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
+
+
+RADIUS_PX, TOLERANCE_US = 6.0, 500
+
+
+def random_merges(rng: np.random.Generator, count: int) -> NDArray[np.void]:
+    merges = np.zeros(count, MERGE)
+    merges["t_us"] = np.sort(rng.integers(0, 100 * count, count))
+    merges["track_id"] = rng.permutation(count)
+    merges["x"], merges["y"] = rng.random((2, count)) * 12
+    return merges
+
+
+def all_at_once(hw: NDArray[np.void], sw: NDArray[np.void]) -> list[tuple[int, int]]:
+    late_us = sw["t_us"] - hw["t_us"][:, None]
+    distance_px = np.hypot(sw["x"] - hw["x"][:, None], sw["y"] - hw["y"][:, None])
+    i, j = np.nonzero((np.abs(late_us) <= TOLERANCE_US) & (distance_px <= RADIUS_PX))
+    chosen = closest_pairs(i, j, np.abs(late_us[i, j]) / TOLERANCE_US + distance_px[i, j] / RADIUS_PX)
+    return list(zip(i[chosen].tolist(), j[chosen].tolist(), strict=True))
+
+
+@pytest.mark.parametrize("run", [1, 7, 1 << 14])
+@pytest.mark.parametrize("seed", range(4))
+def test_runs_do_not_matter(seed: int, run: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(track_pairs, "_RUN", run)
+    rng = np.random.default_rng(seed)
+    hw, sw = (random_merges(rng, count) for count in rng.integers(60, 120, 2))
+    wanted = all_at_once(hw, sw)
+    assert 10 < len(wanted) < min(len(hw), len(sw))
+    found = pair_merges(hw, sw, RADIUS_PX, TOLERANCE_US, None)
+    assert list(zip(found.pairs["i"].tolist(), found.pairs["j"].tolist(), strict=True)) == wanted
+    assert found.count == len(wanted)
+    assert found.pairs["hardware_id"].tolist() == [hw["track_id"][i] for i, _ in wanted]
+    assert found.pairs["software_id"].tolist() == [sw["track_id"][j] for _, j in wanted]
+    assert found.hardware_alone.tolist() == np.delete(hw["track_id"], [i for i, _ in wanted]).tolist()
+    assert found.software_alone.tolist() == np.delete(sw["track_id"], [j for _, j in wanted]).tolist()
+    first = pair_merges(hw, sw, RADIUS_PX, TOLERANCE_US, 5)
+    assert first.count == len(wanted)
+    assert np.array_equal(first.pairs, found.pairs[:5])
+    assert first.hardware_alone.tolist() == found.hardware_alone[:5].tolist()
+    assert first.software_alone.tolist() == found.software_alone[:5].tolist()
+
+
+def test_a_side_without_merges_leaves_the_other_alone() -> None:
+    merges, none = random_merges(np.random.default_rng(1), 9), np.empty(0, MERGE)
+    assert pair_merges(none, merges, RADIUS_PX, TOLERANCE_US, None).software_alone.tolist() == merges["track_id"].tolist()
+    assert pair_merges(merges, none, RADIUS_PX, TOLERANCE_US, None).hardware_alone.tolist() == merges["track_id"].tolist()

@@ -140,10 +140,11 @@ def test_long_stretches_without_a_record_come_back_from_parquet(tmp_path: Path) 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 50])
 @pytest.mark.parametrize("longest_us", [0, 5, 1 << 16, 3_000_000, 1 << 44])
-def test_they_are_those_of_numpy(count: int, longest_us: int) -> None:
+def test_lengths_of_lives_are_those_of_numpy(count: int, longest_us: int) -> None:
     rng = np.random.default_rng(count + longest_us)
     lives = column.HeldColumn(ROW)
     lives.append(np.zeros(0, ROW))
+    assert life_lengths(lives) == {"tracks": 0, "lost": 0, "median_s": None, "longest_s": None}
     for _ in range(3):
         part = np.zeros(count, ROW)
         part["birth_us"] = rng.integers(0, 1_000, count)
@@ -153,12 +154,6 @@ def test_they_are_those_of_numpy(count: int, longest_us: int) -> None:
     rows = lives[:]
     lengths_s = (rows["end_us"] - rows["birth_us"]) / 1e6
     assert life_lengths(lives) == {
-        "tracks": 3 * count,
-        "lost": int((rows["ended"] == Kind.LOST).sum()),
-        "median_s": float(np.median(lengths_s)),
-        "longest_s": float(lengths_s.max()),
-    }
-
-
-def test_without_a_life_nothing_is_known() -> None:
-    assert life_lengths(column.HeldColumn(ROW)) == {"tracks": 0, "lost": 0, "median_s": None, "longest_s": None}
+        "tracks": 3 * count, "lost": int((rows["ended"] == Kind.LOST).sum()),
+        "median_s": float(np.median(lengths_s)), "longest_s": float(lengths_s.max()),
+    }  # fmt: skip

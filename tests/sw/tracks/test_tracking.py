@@ -52,9 +52,6 @@ def test_records_and_owners_are_joined_in_order() -> None:
     assert log.engine == "parrot"
     assert log.records["event_index"].tolist() == [4, 9, 10, 10]
     assert log.owner.tolist() == list(range(10))
-
-
-def test_without_blocks_there_is_only_the_end() -> None:
     log = log_of("parrot", Parrot(), [])
     assert (log.records["event_index"].tolist(), len(log.owner)) == ([0], 0)
 

@@ -5,36 +5,45 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from evcot.digest import EventsDigest, digest
 from evcot.errors import EvcotError, OutputError, TrackLogError
+from evcot.events import Events, Recording
+from evcot.filters.config import FilterConfig
+from evcot.scenes.registry import simulate_scene
+from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import TRACK, VERDICT, Kind, TrackLog
+from evcot.tracks.log_files import Extent, check_belongs
 from evcot.tracks.tally import IdSet, Tally
+from evcot.tracks.tracking import log_of
+from support.refusals import refused
 
 
 @pytest.fixture
 def log() -> TrackLog:
     """Numbers that a careless format would round, and every kind of record."""
     rng = np.random.default_rng(5)
-    records = np.zeros(200_000, TRACK)
+    records = np.zeros(20_000, TRACK)
     records["t_us"] = np.sort(rng.integers(-(10**15), 10**15, len(records)))
     records["event_index"] = np.arange(len(records)) + 2**53
     records["kind"] = rng.integers(0, len(Kind), len(records))
     for name in ("x", "y", "radius", "width", "height", "angle", "vx", "vy", "confidence"):
         records[name] = rng.random(len(records)) * 10.0 ** rng.integers(-9, 9, len(records))
     records["other_id"] = -1
-    return TrackLog("cot_array", records, rng.integers(-1, 64, 300_000).astype(np.int16))
+    return TrackLog("cot_array", records, rng.integers(-1, 64, 30_000).astype(np.int16))
 
 
-def test_npz_gives_back_what_it_got(log: TrackLog, tmp_path: Path) -> None:
-    log.save_npz(tmp_path / "log.npz")
+def test_npz_gives_back_what_it_got_and_has_the_same_bytes_each_time(log: TrackLog, tmp_path: Path) -> None:
+    for name in ("log.npz", "again.npz"):
+        log.save_npz(tmp_path / name)
+    assert (tmp_path / "log.npz").read_bytes() == (tmp_path / "again.npz").read_bytes()
     back = TrackLog.load_npz(tmp_path / "log.npz")
-    assert back.engine == "cot_array"
-    assert back.records.dtype == TRACK
-    assert back.owner.dtype == np.dtype(np.int16)
+    assert (back.engine, back.records.dtype, back.owner.dtype) == ("cot_array", TRACK, np.dtype(np.int16))
     np.testing.assert_array_equal(back.records, log.records)
     np.testing.assert_array_equal(back.owner, log.owner)
 
@@ -45,12 +54,6 @@ def test_an_empty_log_goes_both_ways(tmp_path: Path) -> None:
     assert (back.engine, len(back.records), len(back.owner)) == ("rct", 0, 0)
     back.write_csv(tmp_path / "log.csv")
     assert (tmp_path / "log.csv").read_text() == ",".join(TRACK.names or ()) + "\n"
-
-
-def test_the_same_log_gives_the_same_bytes(log: TrackLog, tmp_path: Path) -> None:
-    for name in ("a.npz", "b.npz"):
-        log.save_npz(tmp_path / name)
-    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
 
 
 @pytest.fixture
@@ -90,19 +93,10 @@ def test_csv_is_exact_and_names_the_kinds(log: TrackLog, tmp_path: Path) -> None
     log.write_csv(tmp_path / "log.csv")
     with (tmp_path / "log.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == len(log.records)
     assert list(rows[0]) == list(TRACK.names or ())
-    assert [row["kind"] for row in rows[:50]] == [Kind(kind).name for kind in log.records["kind"][:50]]
-    for name, number in (
-        ("t_us", int),
-        ("event_index", int),
-        ("x", float),
-        ("radius", float),
-        ("height", float),
-        ("vy", float),
-        ("confidence", float),
-        ("other_id", int),
-    ):
+    assert [row["kind"] for row in rows] == [Kind(kind).name for kind in log.records["kind"]]
+    for name in ("t_us", "event_index", "x", "radius", "height", "vy", "confidence", "other_id"):
+        number = int if TRACK[name].kind in "iu" else float
         assert [number(row[name]) for row in rows] == log.records[name].tolist()
 
 
@@ -193,3 +187,92 @@ def test_a_million_ids_take_a_bit_each() -> None:
     assert ids.nbytes <= 2 * 1_000_000 // 8 + 8
     assert 999_999 in ids
     assert 1_000_000 not in ids
+
+
+@cache
+def scene() -> Recording:
+    return simulate_scene("discs", 3, {"duration_us": 100_000}).recording
+
+
+def make_events(count: int, first_us: int = 100) -> Events:
+    return Events(first_us + np.arange(count), *(np.arange(count, dtype=np.uint16),) * 2, np.zeros(count, np.uint8))
+
+
+def make_log(events: Events) -> TrackLog:
+    """A track that is born with the first event, and moves with the last."""
+    records = np.zeros(2, TRACK)
+    records["kind"] = Kind.BORN, Kind.MOVED
+    records["event_index"] = 0, len(events) - 1
+    records["t_us"] = events.t_us[[0, -1]]
+    return TrackLog("rct", records, np.zeros(len(events), np.int16))
+
+
+def test_a_log_belongs_to_its_events() -> None:
+    events = make_events(10)
+    check_belongs(make_log(events), Extent.of([events[:3], events[3:3], events[3:]]))
+    check_belongs(replace(make_log(events), recording=digest(events)), Extent.of([events]))
+    check_belongs(TrackLog.empty("rct"), Extent.of([]))
+
+
+@pytest.mark.parametrize(
+    ("of", "message"),
+    [
+        (make_events(11), "owner has 10 entries: must be one for each of the recording's 11 events"),
+        (make_events(10, 101), "record 0: t_us = 100: must be from 101 to 110, as the recording's events are"),
+        (make_events(10, 99), "record 1: t_us = 109: must be from 99 to 108, as the recording's events are"),
+    ],
+)
+def test_a_log_of_other_events_is_refused_by_what_it_shows(of: Events, message: str) -> None:
+    with refused(TrackLogError, message):
+        check_belongs(make_log(make_events(10)), Extent.of([of]))
+
+
+@pytest.mark.parametrize("index", [-1, 11])
+def test_a_record_of_no_event_is_refused(index: int) -> None:
+    events = make_events(10)
+    log = make_log(events)
+    log.records["event_index"][1] = index
+    with pytest.raises(TrackLogError, match=f"record 1: event_index = {index}: must be from 0 to 10"):
+        check_belongs(log, Extent.of([events]))
+
+
+def test_a_digest_tells_apart_what_looks_alike() -> None:
+    events = make_events(10)
+    other = replace(events, x=events.x[::-1].copy())
+    check_belongs(make_log(events), Extent.of([other]))
+    with pytest.raises(TrackLogError) as caught:
+        check_belongs(replace(make_log(events), recording=digest(events)), Extent.of([other]))
+    expected = f"recording = '{digest(events)}': must be the digest of the recording's events, '{digest(other)}'"
+    assert str(caught.value) == expected
+
+
+def test_a_digest_does_not_depend_on_where_blocks_are_cut_but_on_every_column() -> None:
+    events, summary = scene().events, EventsDigest()
+    for begin in range(0, len(events), 1_013):
+        summary.add(events[begin : begin + 1_013])
+    assert summary.hex() == digest(events)
+    for name in ("t_us", "x", "y", "p"):
+        column = getattr(events, name).copy()
+        column[-1] ^= 1
+        assert digest(replace(events, **{name: column})) != digest(events)
+
+
+def test_a_stored_log_keeps_the_digest_of_its_recording(tmp_path: Path) -> None:
+    log = make_log(make_events(10))
+    log.save_npz(tmp_path / "none.npz")
+    assert TrackLog.load_npz(tmp_path / "none.npz").recording == ""
+    replace(log, recording="0123456789abcdef").save_npz(tmp_path / "one.npz")
+    assert TrackLog.load_npz(tmp_path / "one.npz").recording == "0123456789abcdef"
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_every_engines_log_belongs(engine: str) -> None:
+    """No record has a time after the recording's end, wherever the recording is cut."""
+    kind = ENGINES[engine]
+    preset = "discs" if "discs" in kind.presets else next(iter(kind.presets))
+    for count in (1, 997, len(scene().events) // 2, len(scene().events)):
+        events = scene().events[:count]
+        tracker = kind.start(kind.presets[preset], FilterConfig(), (scene().width, scene().height))
+        log = log_of(engine, tracker, [events])
+        check_belongs(log, Extent.of([events]))
+    assert len(log.of_kind(Kind.MOVED)) > 0

@@ -11,22 +11,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from evcot.errors import ConfigError, TrackLogError
+from evcot.errors import ConfigError, EvcotError, TrackLogError
+from evcot.metrics.rule import load_rule
+from evcot.metrics.scores import evaluate
+from evcot.metrics.truth import read_truth
+from evcot.tracks.formats import FORMAT_NAMES
 from evcot.tracks.formats.base import FrameClock
+from evcot.tracks.formats.of_log import boxes_of_log, log_of_boxes
 from evcot.tracks.formats.prophesee import EVENT_BBOX
-from evcot.tracks.formats.registry import read_boxes, write_boxes
+from evcot.tracks.formats.registry import FORMATS, read_boxes, write_boxes
+from evcot.tracks.log import Kind
+from evcot.tracks.timeline import sample
+from support.logs import HEIGHT, WIDTH, log_of
+from support.refusals import refused
 
 CLOCK = FrameClock(40_000)
 IMAGES: list[dict[str, Any]] = [{"id": 3, "width": 346, "height": 260}, {"id": 1, "width": 346, "height": 260}]
 BOX: dict[str, Any] = {
-    "id": 1,
-    "image_id": 1,
-    "category_id": 2,
-    "bbox": [0, 10.25, 4, 5.5],
-    "track_id": 9,
-    "score": 0.5,
-    "iscrowd": 0,
-}
+    "id": 1, "image_id": 1, "category_id": 2, "bbox": [0, 10.25, 4, 5.5], "track_id": 9, "score": 0.5, "iscrowd": 0,
+}  # fmt: skip
 
 
 def written(folder: Path, data: object) -> Path:
@@ -45,15 +48,11 @@ def test_images_are_frames_and_pixels_count_from_0(tmp_path: Path) -> None:
     assert boxes.rows[["confidence", "class_id", "counted"]].tolist() == [(0.5, 2, True), (0.5, 2, False)]
 
 
-def test_an_image_without_a_box_is_an_instant_and_t_us_is_its_time(tmp_path: Path) -> None:
+def test_an_image_without_a_box_is_an_instant_t_us_is_its_time_and_results_are_a_list(tmp_path: Path) -> None:
     timed = [image | {"t_us": 7_000 * image["id"]} for image in IMAGES]
     boxes = read_boxes(written(tmp_path, {"images": timed, "annotations": [BOX]}))
     assert boxes.instants_us.tolist() == [7_000, 21_000]
-
-
-def test_results_are_a_list(tmp_path: Path) -> None:
-    result = {"image_id": 2, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 0.25}
-    boxes = read_boxes(written(tmp_path, [result]), CLOCK)
+    boxes = read_boxes(written(tmp_path, [{"image_id": 2, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 0.25}]), CLOCK)
     assert boxes.instants_us.tolist() == [0, 40_000]
     assert boxes.rows[["instant", "id", "confidence"]].tolist() == [(1, -1, 0.25)]
 
@@ -96,9 +95,8 @@ def test_what_was_read_is_written_as_it_was(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_is_refused(tmp_path: Path, data: object, message: str) -> None:
     path = written(tmp_path, data)
-    with pytest.raises(TrackLogError) as caught:
+    with refused(TrackLogError, start=f"{path}: {message}"):
         read_boxes(path, CLOCK)
-    assert str(caught.value).startswith(f"{path}: {message}")
 
 
 def test_text_that_is_no_json_is_refused_with_its_line(tmp_path: Path) -> None:
@@ -168,15 +166,12 @@ def test_random_boxes_of_six_digits_go_round_and_others_read_them(tmp_path: Path
     assert (tmp_path / "third.txt").read_text() == again
 
 
-def test_a_frame_of_a_broken_length_is_at_the_nearest_microsecond(tmp_path: Path) -> None:
+def test_a_frame_of_a_broken_length_is_at_the_nearest_microsecond_and_centuries_are_exact(tmp_path: Path) -> None:
     clock = FrameClock(1e6 / 30)
     boxes = read_boxes(mot_written(tmp_path, "4,1,1,1,2,2,1,-1,-1,-1\n"), clock)
     assert boxes.instants_us.tolist() == [0, 33_333, 66_667, 100_000]
     write_boxes(tmp_path / "again.txt", boxes, clock)
     assert (tmp_path / "again.txt").read_text() == "4,1,1,1,2,2,1,-1,-1,-1\n"
-
-
-def test_times_are_exact_on_a_clock_of_centuries(tmp_path: Path) -> None:
     clock = FrameClock(40_000, 2**59 + 1)
     assert read_boxes(mot_written(tmp_path, RESULT), clock).instants_us.tolist() == [2**59 + 1 + 40_000 * k for k in range(3)]
 
@@ -199,9 +194,8 @@ def test_times_are_exact_on_a_clock_of_centuries(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_is_refused_with_its_line(tmp_path: Path, text: str, message: str) -> None:
     path = mot_written(tmp_path, text)
-    with pytest.raises(TrackLogError) as caught:
+    with refused(TrackLogError, f"{path}: {message}"):
         read_boxes(path, MOT_CLOCK)
-    assert str(caught.value) == f"{path}: {message}"
 
 
 def test_frames_need_their_length_and_times_that_are_frames(tmp_path: Path) -> None:
@@ -268,33 +262,120 @@ def test_the_names_of_2020_are_read(tmp_path: Path) -> None:
 
 def test_prophesee_what_cannot_be_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.npy"
-
-    def refused(message: str) -> None:
-        with pytest.raises(TrackLogError) as caught:
-            read_boxes(path)
-        assert str(caught.value).startswith(f"{path}: {message}")
-        assert "\n" not in str(caught.value)
-
-    refused("cannot be read: No such file or directory")
+    with refused(TrackLogError, f"{path}: cannot be read: No such file or directory"):
+        read_boxes(path)
     path.write_bytes(b"nothing")
-    refused("is no NumPy file: ")
-    np.save(path, np.zeros((3, 3)))
-    refused("must hold one row a box, with the fields t, x, y, w, h, class_id, track_id, class_confidence")
-    np.save(path, np.array([{"t": 1}], object), allow_pickle=True)
-    refused("is no NumPy file: ")
-    np.save(path, np.zeros(2, [("t", "i8"), ("x", "f4")]))
-    refused("has no field y: must have t, x, y")
-    np.save(path, np.zeros(2, [*((name, EVENT_BBOX[name]) for name in EVENT_BBOX.names or ()), ("z", "f4")]))
-    refused("unknown field z: must have t, x, y")
-    wrong = labels()
-    wrong["w"][1] = np.nan
-    np.save(path, wrong)
-    refused("box 1: width = nan: must be from 0.001 to 1e+09")
-    wrong = labels()
-    wrong["t"][2] = -5
-    np.save(path, wrong)
-    refused("box 2: t = -5: must be from 0 to 2^60")
-    wrong = labels()
-    wrong["track_id"] = 3
-    np.save(path, wrong)
-    refused("box 1: id = 3: must not occur twice at one time")
+    with refused(TrackLogError, start=f"{path}: is no NumPy file: "):
+        read_boxes(path)
+    width, time, name = labels(), labels(), labels()
+    width["w"][1], time["t"][2], name["track_id"] = np.nan, -5, 3
+    fields = [(name, EVENT_BBOX[name]) for name in EVENT_BBOX.names or ()]
+    for array, message in (
+        (np.zeros((3, 3)), "must hold one row a box, with the fields t, x, y, w, h, class_id, track_id, class_confidence"),
+        (np.array([{"t": 1}], object), "is no NumPy file: "),
+        (np.zeros(2, [("t", "i8"), ("x", "f4")]), "has no field y: must have t, x, y"),
+        (np.zeros(2, [*fields, ("z", "f4")]), "unknown field z: must have t, x, y"),
+        (width, "box 1: width = nan: must be from 0.001 to 1e+09"),
+        (time, "box 2: t = -5: must be from 0 to 2^60"),
+        (name, "box 1: id = 3: must not occur twice at one time"),
+    ):
+        np.save(path, array)
+        with refused(TrackLogError, start=f"{path}: {message}"):
+            read_boxes(path)
+
+
+LOG_CLOCK = FrameClock(10_000, 5_000)
+LOG = log_of(
+    [
+        (4_000, Kind.BORN, 0, 30.0, 40.0),
+        (14_000, Kind.MOVED, 0, 32.0, 40.5),
+        (15_000, Kind.BORN, 3, 90.0, 20.0),
+        (26_000, Kind.LOST, 0, 33.0, 40.5),
+        (46_000, Kind.MOVED, 3, 91.0, 20.0),
+        (60_000, Kind.LOST, 3, 91.0, 20.0),
+    ]
+)
+
+
+def test_a_log_is_sampled_at_the_times_of_frames() -> None:
+    boxes = boxes_of_log(LOG, LOG_CLOCK, (346, 260))
+    assert boxes.instants_us.tolist() == [5_000, 15_000, 25_000, 35_000, 45_000, 55_000]
+    assert boxes.sensor == (346, 260)
+    seen = boxes.rows[["instant", "id", "left", "top"]].tolist()
+    first = [(0, 1, 30 - WIDTH / 2, 40 - HEIGHT / 2), (1, 1, 32 - WIDTH / 2, 40.5 - HEIGHT / 2)]
+    assert seen[:2] == first
+    assert [row[:2] for row in seen] == [(0, 1), (1, 1), (1, 4), (2, 1), (2, 4), (3, 4), (4, 4), (5, 4)]  # ids count from 1
+    assert set(boxes.rows[["width", "height", "confidence"]].tolist()) == {(WIDTH, HEIGHT, 0.5)}
+    young = boxes_of_log(LOG, LOG_CLOCK, max_age_us=20_000)
+    assert [row[0] for row in young.rows[["instant", "id"]].tolist() if row[1] == 4] == [1, 2, 3, 5]
+    later = boxes_of_log(LOG, FrameClock(10_000, 30_000), until_us=41_000)
+    assert later.instants_us.tolist() == [30_000, 40_000]
+
+
+@pytest.mark.parametrize("name", FORMAT_NAMES)
+def test_a_result_without_a_box_is_an_empty_log_and_no_truth(name: str, tmp_path: Path) -> None:
+    if name == "mcap":
+        pytest.importorskip("mcap")
+    path = tmp_path / f"r{FORMATS[name].SUFFIX}"
+    write_boxes(path, boxes_of_log(log_of([]), LOG_CLOCK, (346, 260)), LOG_CLOCK, name)
+    log = log_of_boxes(path, read_boxes(path, LOG_CLOCK, name))
+    assert len(log.records) == 0
+    truth = read_truth(boxes_file(tmp_path), load_rule("boxes"), clock=LOG_CLOCK)
+    scores = evaluate(log, truth, load_rule("boxes"))
+    assert (scores.hota, scores.tp, scores.fn, scores.fp) == (0.0, 0, 1, 0)
+    with pytest.raises(EvcotError, match="no box counts: must have one at least that is to be found"):
+        read_truth(path, load_rule("boxes"), clock=LOG_CLOCK, format=name)
+
+
+def boxes_file(folder: Path) -> Path:
+    (folder / "t.txt").write_text("1,1,71,109,40,40,1,1,1.0\n")
+    return folder / "t.txt"
+
+
+def test_a_turned_box_is_written_as_the_upright_rectangle_around_it() -> None:
+    records = LOG.records.copy()
+    records["angle"] = np.pi / 2
+    boxes = boxes_of_log(type(LOG)("x", records, LOG.owner), LOG_CLOCK)
+    np.testing.assert_allclose(boxes.rows["width"], HEIGHT)
+    np.testing.assert_allclose(boxes.rows["left"][0], 30 - HEIGHT / 2)
+
+
+def test_a_track_of_boxes_is_there_at_its_instants_alone(tmp_path: Path) -> None:
+    """Track 5 in frames 1, 2 and 4, track 6 in frame 2."""
+    lines = ["1,5,1,1,10,20", "2,5,3,1,10,20", "4,5,7,1,10,20", "2,6,50,50,4,4"]
+    (tmp_path / "r.txt").write_text("".join(f"{line},0.5,-1,-1,-1\n" for line in lines))
+    log = log_of_boxes("r.txt", read_boxes(tmp_path / "r.txt", LOG_CLOCK))
+    states = sample(log, 5_000 + 10_000 * np.arange(-1, 6))
+    assert states[["sample", "track_id", "x", "y"]].tolist() == [
+        (1, 5, 4.5, 9.5), (2, 5, 6.5, 9.5), (2, 6, 50.5, 50.5), (4, 5, 10.5, 9.5),
+    ]  # fmt: skip
+    assert sample(log, np.array([24_999]))["track_id"].tolist() == [5, 6]
+    assert (np.diff(log.records["t_us"]) >= 0).all()
+    assert set(log.records["confidence"]) == {0.5}
+
+
+@pytest.mark.parametrize("name", [name for name in FORMAT_NAMES if name != "mot-det"])
+def test_boxes_of_a_log_go_through_every_format(tmp_path: Path, name: str) -> None:
+    boxes = boxes_of_log(LOG, LOG_CLOCK, (346, 260))
+    path = tmp_path / f"b{FORMATS[name].SUFFIX}"
+    write_boxes(path, boxes, LOG_CLOCK, name)
+    back = read_boxes(path, LOG_CLOCK, name)
+    assert (
+        back.rows[["id", "left", "top", "width", "height"]].tolist()
+        == boxes.rows[["id", "left", "top", "width", "height"]].tolist()
+    )
+    assert back.instants_us[back.rows["instant"]].tolist() == boxes.instants_us[boxes.rows["instant"]].tolist()
+    once, again = (sample(log_of_boxes(path, part), boxes.instants_us) for part in (boxes, back))
+    assert once.tolist() == again.tolist()
+
+
+def test_detections_are_no_tracks(tmp_path: Path) -> None:
+    write_boxes(tmp_path / "det.txt", boxes_of_log(LOG, LOG_CLOCK), LOG_CLOCK, "mot-det")
+    with pytest.raises(TrackLogError, match=r"^det\.txt: line 1: id = -1: must be a track's: detections are no tracks$"):
+        log_of_boxes("det.txt", read_boxes(tmp_path / "det.txt", LOG_CLOCK))
+
+
+def test_frames_without_end_are_refused() -> None:
+    assert tuple(FORMATS) == FORMAT_NAMES
+    with pytest.raises(TrackLogError, match=r"frames from 0 to 60000000 us: must be at most 1000000"):
+        boxes_of_log(LOG, FrameClock(10.0), until_us=60_000_000)

@@ -22,6 +22,8 @@ pytest.importorskip("mcap", reason="mcap is not installed")
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
+from support.refusals import refused
+
 
 def two_tracks() -> Boxes:
     """Ids 3 and 12: both at 1.5 s, one at 2.25 s, none at 3 s."""
@@ -42,6 +44,11 @@ def messages(path: Path) -> dict[str, list[tuple[int, str, Any]]]:
             assert json.loads(schema.data)["type"] == "object"
             found.setdefault(channel.topic, []).append((message.log_time, schema.name, json.loads(message.data)))
     return found
+
+
+def read_is_refused(path: Path, message: str) -> None:
+    with refused(TrackLogError, start=f"{path}: {message}"):
+        read_boxes(path)
 
 
 def test_what_was_written_is_read_again(tmp_path: Path) -> None:
@@ -134,13 +141,6 @@ def test_every_field_that_is_written_is_in_its_schema(tmp_path: Path) -> None:
             assert not unknown(json.loads(message.data), json.loads(schema.data)), schema.name
 
 
-def refused(path: Path, message: str) -> None:
-    with pytest.raises(TrackLogError) as caught:
-        read_boxes(path)
-    assert str(caught.value).startswith(f"{path}: {message}")
-    assert "\n" not in str(caught.value)
-
-
 def test_a_file_cut_or_damaged_anywhere_is_refused_or_read_the_same(tmp_path: Path) -> None:
     write_boxes(tmp_path / "a.mcap", two_tracks())
     whole, path = (tmp_path / "a.mcap").read_bytes(), tmp_path / "b.mcap"
@@ -166,18 +166,17 @@ def test_a_file_cut_or_damaged_anywhere_is_refused_or_read_the_same(tmp_path: Pa
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"t_us": -1}, "message 0: t_us = -1: must be an integer from 0 to "),
-        ({"t_us": "1"}, "message 0: t_us = '1': must be an integer"),
-        ({"sensor": [0, 48]}, "message 0: sensor = [0, 48]: must be width and height"),
-        ({"boxes": 3}, "message 0: must hold t_us, sensor, and boxes, each with id, class_id, left"),
-        ({"boxes": [{"id": 1}]}, "message 0: must hold t_us, sensor, and boxes"),
-        ({"boxes": [{"id": 1.5}]}, "message 0: must hold"),
+        ({"t_us": -1}, "t_us = -1: must be an integer from 0 to "),
+        ({"t_us": "1"}, "t_us = '1': must be an integer"),
+        ({"sensor": [0, 48]}, "sensor = [0, 48]: must be width and height"),
+        ({"boxes": 3}, "must hold t_us, sensor, and boxes, each with id, class_id, left"),
+        ({"boxes": [{"id": 1}]}, "must hold t_us, sensor, and boxes"),
+        ({"boxes": [{"id": 1.5}]}, "must hold"),
     ],
 )
 def test_what_a_message_cannot_say(tmp_path: Path, change: dict[str, Any], message: str) -> None:
-    path = tmp_path / "a.mcap"
-    write(path, {"t_us": 5, "sensor": [64, 48], "boxes": [], **change})
-    refused(path, message)
+    write(tmp_path / "a.mcap", {"t_us": 5, "sensor": [64, 48], "boxes": [], **change})
+    read_is_refused(tmp_path / "a.mcap", f"message 0: {message}")
 
 
 def write(path: Path, *told: Any, topic: str = "/tracks/boxes", compression: CompressionType = CompressionType.ZSTD) -> None:
@@ -191,17 +190,16 @@ def write(path: Path, *told: Any, topic: str = "/tracks/boxes", compression: Com
 
 
 def test_a_file_that_is_not_evcot_s(tmp_path: Path) -> None:
-    path = tmp_path / "a.mcap"
-    refused(path, "cannot be read: No such file or directory")
+    path, empty = tmp_path / "a.mcap", {"t_us": 5, "sensor": [], "boxes": []}
+    read_is_refused(path, "cannot be read: No such file or directory")
     path.write_bytes(b"nothing at all")
-    refused(path, "is damaged, or no MCAP file: ")
+    read_is_refused(path, "is damaged, or no MCAP file: ")
     write(path, {}, topic="/other")
-    refused(path, "has no topic /tracks/boxes in JSON: must be a file that evcot wrote")
+    read_is_refused(path, "has no topic /tracks/boxes in JSON: must be a file that evcot wrote")
     write(path, {}, compression=CompressionType.LZ4)
-    refused(path, "compression 'lz4': must be zstd, or none")
-    empty = {"sensor": [], "boxes": []}
-    write(path, {"t_us": 5, **empty}, {"t_us": 5, **empty})
-    refused(path, "message 1: t_us = 5 follows 5: must ascend")
+    read_is_refused(path, "compression 'lz4': must be zstd, or none")
+    write(path, empty, empty)
+    read_is_refused(path, "message 1: t_us = 5 follows 5: must ascend")
 
 
 def test_times_that_mcap_cannot_hold(tmp_path: Path) -> None:
