@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Identities of detections, and trackers made of a stream of them."""
+"""Identities of detections, trackers made of a stream of them, and detections in a frame."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,10 +19,11 @@ from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.scenes import Scene, simulate_scene
 from evcot.trackers.detections import DETECTION, DetectionTracker, Identities, IdentityConfig
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.frame_based import FRAME_RANGES, FrameConfig
+from evcot.trackers.frame_based import FRAME_RANGES, FrameConfig, FrameTracker, detect
 from evcot.trackers.mean_shift.tracker import MEAN_SHIFT_RANGES, MeanShiftConfig
 from evcot.tracks.log import DROPPED, TRACK, Kind, TrackLog
 from evcot.tracks.tracking import track_recording
+from support.refusals import refused
 
 SENSOR = (346, 260)
 LIFETIME_US = 150_000  # of both presets
@@ -50,7 +51,7 @@ def test_where_the_stream_is_cut_changes_nothing(engine: str) -> None:
     n = len(events)
     assert np.bincount(log.records["kind"])[Kind.MOVED] > 100
     random = np.random.default_rng(2)
-    for cuts in ([0, n // 2, n // 2], sorted(random.integers(0, n, 300).tolist()), list(range(1, 3_000))):
+    for cuts in ([0, n // 2, n // 2], sorted(random.integers(0, n, 300).tolist()), list(range(1, 1_000))):
         streamed = tracker(engine)
         runs = [streamed.feed(events[begin:end]) for begin, end in zip([0, *cuts], [*cuts, n], strict=True)]
         np.testing.assert_array_equal(np.concatenate([*(run[0] for run in runs), streamed.finish()]), log.records)
@@ -121,17 +122,13 @@ def test_a_track_per_disc_near_its_disc(engine: str, position_px: float, hota: f
 
 
 @both
-def test_no_events(engine: str) -> None:
+def test_time_must_not_run_back(engine: str) -> None:
     log = track(engine, Events.empty())
     assert (log.engine, len(log.records), len(log.owner)) == (engine, 0, 0)
-
-
-@both
-def test_time_must_not_run_back(engine: str) -> None:
     streamed, one = tracker(engine), np.zeros(1, np.uint16)
     for t_us in (100, 105, 30_000):
         streamed.feed(Events(np.array([t_us]), one, one, one.astype(np.uint8)))
-    with pytest.raises(RecordingError, match=r"^event 3: t = 129 us follows t = 30000 us: time must not run back$"):
+    with refused(RecordingError, "event 3: t = 129 us follows t = 30000 us: time must not run back"):
         streamed.feed(Events(np.array([129]), one, one, one.astype(np.uint8)))
 
 
@@ -332,3 +329,58 @@ def test_each_field_has_its_range(name: str, config: Any, field: str, low: float
 def test_a_median_filter_has_an_odd_side() -> None:
     with pytest.raises(ConfigError, match=r"^frames\.median_px = 4: must be odd, so that the square has a middle$"):
         FrameConfig(median_px=4)
+
+
+PLAIN = FrameConfig(median_px=1, link_px=0, area_min_px=1)
+
+
+def block(left: int, top: int, width: int, height: int) -> np.ndarray:  # type: ignore[type-arg]
+    """The pixels of a rectangle, (2, n)."""
+    return np.stack(np.meshgrid(np.arange(left, left + width), np.arange(top, top + height))).reshape(2, -1)
+
+
+def events(*parts: np.ndarray) -> Events:  # type: ignore[type-arg]
+    x, y = np.concatenate(parts, axis=1).astype(np.uint16)
+    return Events(1_000 + np.arange(len(x)), x, y, np.zeros(len(x), np.uint8))
+
+
+def objects(found: np.ndarray) -> set[tuple[float, ...]]:  # type: ignore[type-arg]
+    return {tuple(row) for row in found[["x", "y", "radius", "width", "height", "n"]].tolist()}
+
+
+def test_frames_count_from_the_first_event_and_empty_frames_are_skipped() -> None:
+    t_us = np.array([1005, 1014, 1016, 1024, 1025, 1059, 1064, 1065])
+    assert FrameTracker(FrameConfig(frame_us=10)).frame_ends(t_us).tolist() == [2, 4, 5, 7]
+
+
+def test_an_object_is_its_box_and_its_pixels_at_the_mean_time() -> None:
+    found = detect(events(block(0, 0, 5, 3), block(20, 30, 4, 4)), PLAIN)
+    assert objects(found) == {(2.0, 1.0, 2.0, 5.0, 3.0, 15), (21.5, 31.5, 2.0, 4.0, 4.0, 16)}
+    assert found["after_us"].tolist() == [15.0, 15.0]
+
+
+def test_pixels_count_once_and_touch_by_their_corners() -> None:
+    diagonal = np.array([[7, 8, 9, 9, 9], [7, 8, 9, 9, 9]])
+    assert objects(detect(events(diagonal), PLAIN)) == {(8.0, 8.0, 1.5, 3.0, 3.0, 3)}
+
+
+@pytest.mark.parametrize(("link_px", "objects_expected"), [(2, 2), (3, 1), (4, 1)])
+def test_pieces_are_joined_across_a_gap_of_link_px(link_px: int, objects_expected: int) -> None:
+    for first, second in ((block(0, 0, 3, 3), block(6, 0, 3, 3)), (block(0, 0, 3, 3), block(0, 6, 3, 3))):
+        config = FrameConfig(median_px=1, link_px=link_px, area_min_px=1)
+        assert len(detect(events(first, second), config)) == objects_expected
+
+
+def test_the_median_removes_single_pixels_and_rounds_corners_and_small_objects_are_discarded() -> None:
+    config = replace(PLAIN, median_px=3)
+    noise = np.array([[40, 60, 61], [40, 3, 4]])
+    assert objects(detect(events(block(10, 10, 5, 5), noise), config)) == {(12.0, 12.0, 2.5, 5.0, 5.0, 21)}
+    assert len(detect(events(noise), config)) == 0
+    small = detect(events(block(0, 0, 3, 1), block(10, 0, 2, 2)), replace(PLAIN, area_min_px=4))
+    assert objects(small) == {(10.5, 0.5, 1.0, 2.0, 2.0, 4)}
+
+
+def test_a_frame_that_spans_too_many_pixels_is_refused() -> None:
+    message = r"^frame from t = 1000 us: spans 65511x65511 pixels: must be at most 2\^26 in all$"
+    with pytest.raises(RecordingError, match=message):
+        detect(events(np.array([[0, 65_500], [0, 65_500]])), FrameConfig())

@@ -168,9 +168,6 @@ def test_folding_saves_most_evaluations_and_moves_modes_little(seed: int) -> Non
     off = np.hypot(*(folded[:, folded_of] - plain[:, plain_of])[:2])
     assert np.median(off) < 0.6
     assert np.quantile(off, 0.95) < 2.0
-
-
-def test_single_points_stay() -> None:
-    points = np.array([[3.0, 60_000.0], [4.0, 60_000.0], [0.0, 2.0], [1.0, 1.0]])
-    mode_of, modes, _, _ = converge(points, 6.0, 0.0)
-    np.testing.assert_allclose(modes[:, mode_of], points, atol=1e-12)
+    single = np.array([[3.0, 60_000.0], [4.0, 60_000.0], [0.0, 2.0], [1.0, 1.0]])
+    mode_of, modes, _, _ = converge(single, 6.0, 0.0)
+    np.testing.assert_allclose(modes[:, mode_of], single, atol=1e-12, err_msg="single points stay")

@@ -66,14 +66,12 @@ def test_size_speed_and_number_are_those_of_the_objects(seen: Estimates) -> None
     assert 0.8 * 40.0 < seen.speed_px_s.low < seen.speed_px_s.high < 1.2 * 40.0
 
 
-def test_noise_and_hot_pixels_are_those_of_the_sensor(seen: Estimates) -> None:
+def test_noise_hot_pixels_and_length_are_those_of_the_stream(events: Events, seen: Estimates) -> None:
     assert seen.noise_hz is not None
     assert 0.5 < seen.noise_hz < 2.0  # what objects leave behind is noise, too
     assert seen.hot == 1
-
-
-def test_the_length_of_what_was_seen(events: Events, seen: Estimates) -> None:
     assert seen.seen_us == events.t_us[-1] - events.t_us[0]
+    assert estimated() == estimated(Events.empty()) == Estimates(SENSOR)
 
 
 def test_the_splitting_into_runs_changes_nothing(events: Events, seen: Estimates) -> None:
@@ -89,10 +87,6 @@ def test_sampling_changes_no_track(events: Events) -> None:
     assert len(plain.records)
     assert np.array_equal(plain.records, observed.records)
     assert np.array_equal(plain.owner, observed.owner)
-
-
-def test_nothing_is_estimated_from_nothing() -> None:
-    assert estimated() == estimated(Events.empty()) == Estimates(SENSOR)
 
 
 def test_noise_alone_has_no_objects() -> None:

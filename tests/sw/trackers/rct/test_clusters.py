@@ -19,22 +19,14 @@ from .stories import events_of, kinds, object_at, of_kind, still, together, trac
 BASE = RctConfig(radius_px=10.0, alpha=0.25)
 
 
-def merges(rows: list[tuple[int, int, int]], config: RctConfig) -> int:
-    """How many visible clusters merged."""
-    return len(of_kind(tracked(events_of(rows), config)[0], Kind.MERGED))
-
-
 @pytest.mark.parametrize(
-    ("share", "gap_px", "merged"), [(0.0, 20, 1), (0.0, 21, 0), (0.2, 16, 1), (0.2, 17, 0), (0.44, 11, 1), (0.46, 11, 0)]
+    ("share", "gap_px", "merged"),
+    [(0.0, 20, 1), (0.0, 21, 0), (0.2, 16, 1), (0.2, 17, 0), (0.44, 11, 1), (0.46, 11, 0), (1.1, 12, 0)],
 )
 def test_two_merge_that_share_enough_of_the_smaller_window(share: float, gap_px: int, merged: int) -> None:
-    """Windows of 20 px, side by side: 20 - gap of 20 is shared."""
+    """Windows of 20 px, side by side: 20 - gap of 20 is shared; above 1, nothing merges."""
     rows = still(100, 50, 6) + still(100 + gap_px, 50, 6, begin_us=100)
-    assert merges(rows, replace(BASE, merge_overlap=share)) == merged
-
-
-def test_merging_can_be_turned_off() -> None:
-    assert merges(still(100, 50, 6) + still(112, 50, 6, begin_us=100), replace(BASE, merge_overlap=1.1)) == 0
+    assert len(of_kind(tracked(events_of(rows), replace(BASE, merge_overlap=share))[0], Kind.MERGED)) == merged
 
 
 @pytest.mark.parametrize(("rate_hz", "survivor", "x"), [(0.0, 0, 108.2), (100.0, 1, 115.3)])
@@ -70,15 +62,13 @@ def test_the_larger_side_decides_and_the_aspect_stays() -> None:
     assert cluster["half_width"] == pytest.approx(cluster["half_height"] / 1.5)
 
 
-@pytest.mark.parametrize(("half", "limit"), [(1.0, 4.0), (80.0, 48.0)])
-def test_dynamic_sizes_have_limits(half: float, limit: float) -> None:
-    (cluster,) = tracked(object_at((200, 200), half=(half, half)), DYNAMIC)[2]
-    assert cluster["half_width"] == pytest.approx(limit)
-
-
-def test_an_invisible_cluster_keeps_its_size() -> None:
-    (cluster,) = tracked(object_at((200, 200), half=(4, 4)), replace(DYNAMIC, visible_events=1_000_000))[2]
-    assert cluster["half_width"] == 12.0
+@pytest.mark.parametrize(("half", "visible_events", "size"), [(1.0, 100, 4.0), (80.0, 100, 48.0), (4.0, 1_000_000, 12.0)])
+def test_dynamic_sizes_have_limits_and_an_invisible_cluster_keeps_its_size(
+    half: float, visible_events: int, size: float
+) -> None:
+    config = replace(DYNAMIC, visible_events=visible_events)
+    (cluster,) = tracked(object_at((200, 200), half=(half, half)), config)[2]
+    assert cluster["half_width"] == pytest.approx(size)
 
 
 @pytest.mark.parametrize(("y", "scale"), [(250, 0.5), (450, 1.0), (850, 2.0)])
@@ -113,12 +103,8 @@ def test_the_box_is_the_events_extent_and_not_the_window(half: tuple[float, floa
     assert float(records["width"].mean()) == pytest.approx(0.9 * 2 * half[0], rel=0.15)
     assert float(records["height"].mean()) == pytest.approx(0.9 * 2 * half[1], rel=0.15)
     assert (records["angle"] == 0).all()
-
-
-@pytest.mark.parametrize("config", [PLAIN, BOXED], ids=["plain", "box"])
-def test_an_outline_has_the_box_around_it(config: RctConfig) -> None:
-    records = tracked(object_at((200, 200), half=(10, 8), hollow=True), config)[0][-100:]
-    assert float(records["width"].mean()) == pytest.approx(20, abs=2)
+    outline = tracked(object_at((200, 200), half=(10, 8), hollow=True), config)[0][-100:]
+    assert float(outline["width"].mean()) == pytest.approx(20, abs=2)
 
 
 def test_the_box_goes_with_a_fast_object() -> None:
@@ -127,14 +113,11 @@ def test_the_box_goes_with_a_fast_object() -> None:
     assert float(records["height"].mean()) == pytest.approx(0.9 * 10, rel=0.25)
 
 
-def test_a_young_box_grows_quickly() -> None:
+def test_a_young_box_grows_quickly_from_one_pixel() -> None:
     """After a millisecond with 20 events it is more than half as large as the object."""
     records = tracked(object_at((200, 200), half=(12, 12)), PLAIN)[0]
     first = of_kind(records, Kind.MOVED)[1]
     assert min(first["width"], first["height"]) > 12
-
-
-def test_a_box_has_at_least_a_pixel() -> None:
     records = tracked(events_of(still(50, 60, n=40, step_us=100)), PLAIN)[0]
     assert set(records["width"]) == set(records["height"]) == {1.0}
 
@@ -203,16 +186,13 @@ def test_a_rate_shows_and_hides_with_hysteresis() -> None:
     assert (lost["t_us"], lost["event_index"]) == (1_000 * packets, 62)
 
 
-def test_what_was_hidden_comes_back_as_another_track() -> None:
+def test_what_was_hidden_comes_back_as_another_track_and_what_was_invisible_is_never_lost() -> None:
     rows = [*still(100, 100, 60), *still(100, 100, 1, begin_us=19_500), *still(100, 100, 60, begin_us=25_000), (27_000, 9, 9)]
     records = tracked(events_of(rows), RATE)[0]
     assert of_kind(records, Kind.BORN)["track_id"].tolist() == [0, 1]
     assert of_kind(records, Kind.LOST)["track_id"].tolist() == [0]
-
-
-def test_an_invisible_cluster_is_never_lost() -> None:
-    rows = [*still(100, 100, 20), (30_000, 500, 500), (60_000, 500, 500)]
-    assert len(tracked(events_of(rows), RATE)[0]) == 0
+    invisible = [*still(100, 100, 20), (30_000, 500, 500), (60_000, 500, 500)]
+    assert len(tracked(events_of(invisible), RATE)[0]) == 0
 
 
 def test_a_hot_pixel_is_no_cluster_where_spread_is_asked_for() -> None:
@@ -253,12 +233,6 @@ class TestOcclusion:
         records = tracked(self.passing(bend_px), config)[0]
         return sorted(set(records["track_id"][records["x"] < 700].tolist()))
 
-    def test_without_coasting_it_becomes_another_track(self) -> None:
-        assert len(self.ids(replace(self.CONFIG, coast_us=0))) == 2
-
-    def test_a_coasting_cluster_meets_its_object_again(self) -> None:
-        assert len(self.ids(self.CONFIG)) == 1
-
     def test_it_moves_on_in_the_log_and_is_not_lost(self) -> None:
         records = tracked(self.passing(), self.CONFIG)[0]
         assert len(of_kind(records, Kind.LOST)) == 0
@@ -267,10 +241,14 @@ class TestOcclusion:
         assert (own["n_ev"] == 0).all()
         assert own["x"] == pytest.approx(100 + 300e-6 * own["t_us"], abs=6)
 
-    def test_a_new_cluster_near_the_predicted_place_takes_the_track_over(self) -> None:
+    @pytest.mark.parametrize(
+        ("coast_us", "bend_px", "tracks"), [(0, 0, 2), (150_000, 0, 1), (150_000, 17, 1), (150_000, 30, 2)]
+    )
+    def test_a_coasting_cluster_or_a_new_one_near_its_predicted_place_goes_on_with_the_track(
+        self, coast_us: int, bend_px: float, tracks: int
+    ) -> None:
         """It comes back beside its way: outside the coasting window of 10 px, within and outside the reach of 20 px."""
-        assert len(self.ids(self.CONFIG, bend_px=17)) == 1
-        assert len(self.ids(self.CONFIG, bend_px=30)) == 2
+        assert len(self.ids(replace(self.CONFIG, coast_us=coast_us), bend_px)) == tracks
 
     def test_it_is_lost_when_it_has_coasted_for_long_enough(self) -> None:
         records = tracked(self.passing(), replace(self.CONFIG, coast_us=50_000))[0]

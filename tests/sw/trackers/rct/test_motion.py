@@ -111,7 +111,7 @@ REGRESSION = replace(FILTERED, path_points=100)
     "config", [FILTERED, REGRESSION, replace(REGRESSION, predict=1.0)], ids=["filtered", "regression", "predicted"]
 )
 @pytest.mark.parametrize("direction", range(0, 360, 45))
-@pytest.mark.parametrize("speed", [60.0, 300.0, 1_000.0])
+@pytest.mark.parametrize("speed", [60.0, 1_000.0])
 def test_it_is_the_true_velocity(speed: float, direction: int, config: RctConfig) -> None:
     heading = np.radians(direction)
     velocity = speed * np.cos(heading), speed * np.sin(heading)
@@ -148,13 +148,10 @@ def test_a_path_is_the_last_moves_oldest_first() -> None:
         assert path[name].tolist() == moved[name].tolist()
 
 
-def test_without_path_points_there_is_no_path() -> None:
+def test_without_a_path_or_with_two_places_there_is_no_velocity_yet() -> None:
     tracker = RctTracker(FILTERED)
     tracker.feed(events_of(still(10, 10)))
     assert [len(path) for path in tracker.paths()] == [0]
-
-
-def test_two_places_say_nothing_about_velocity() -> None:
     rows = [*still(100, 100), *still(110, 100, begin_us=1_000)]
     (cluster,) = tracked(events_of(rows), replace(REGRESSION, alpha=1.0))[2]
     assert (cluster["velocity_x"], cluster["velocity_y"]) == (0, 0)

@@ -5,36 +5,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.errors import ConfigError, RecordingError
-from evcot.events import Events, Recording
+from evcot.errors import RecordingError
+from evcot.events import Recording
 from evcot.trackers.rct.config import RctConfig
 from evcot.trackers.rct.tracker import RctTracker, track
 from evcot.tracks.log import TRACK, Kind
 
+from .stories import events_of, of_kind
+
 SMALL = RctConfig(max_clusters=4, radius_px=10.0, alpha=0.01, visible_events=5, lifetime_us=10_000, packet_us=1_000)
-
-
-def events_of(rows: Sequence[tuple[int, int, int]]) -> Events:
-    """Events from (t_us, x, y) rows."""
-    t_us, x, y = zip(*rows, strict=True) if rows else ((), (), ())
-    return Events(np.array(t_us, np.int64), np.array(x, np.uint16), np.array(y, np.uint16), np.ones(len(rows), np.uint8))
 
 
 def story(rows: Sequence[tuple[int, int, int]], config: RctConfig) -> tuple[NDArray[np.void], list[int]]:
     """Records and owners of a hand-written stream."""
     log = track(Recording(events_of(rows), 1000, 1000), config)
     return log.records, log.owner.tolist()
-
-
-def of_kind(records: NDArray[np.void], kind: Kind) -> NDArray[np.void]:
-    chosen: NDArray[np.void] = records[records["kind"] == kind]
-    return chosen
 
 
 def test_an_unclaimed_event_seeds_a_cluster_that_becomes_visible_with_its_fifth_event() -> None:
@@ -44,18 +34,12 @@ def test_an_unclaimed_event_seeds_a_cluster_that_becomes_visible_with_its_fifth_
     born = records[0]
     assert (born["t_us"], born["event_index"], born["track_id"], born["slot"]) == (4, 4, 0, 0)
     assert (born["x"], born["y"], born["radius"], born["support"], born["other_id"]) == (100.0, 50.0, 10.0, 5, -1)
-
-
-def test_four_events_stay_invisible() -> None:
     records, owner = story([(i, 100, 50) for i in range(4)], SMALL)
-    assert len(records) == 0
-    assert owner == [0] * 4
-
-
-def test_visible_at_once_when_one_event_is_enough() -> None:
+    assert (len(records), owner) == (0, [0] * 4)
     records, _ = story([(7, 100, 50)], replace(SMALL, visible_events=1))
-    assert records["kind"].tolist() == [Kind.BORN, Kind.MOVED]
-    assert records["t_us"].tolist() == [7, 7]
+    assert records[["kind", "t_us"]].tolist() == [(Kind.BORN, 7), (Kind.MOVED, 7)]
+    records, owner = story([], SMALL)
+    assert (records.dtype, len(records), owner) == (TRACK, 0, [])
 
 
 def test_the_centre_moves_by_equation_7_exactly() -> None:
@@ -97,17 +81,15 @@ def test_a_visible_cluster_moves_once_per_packet_that_brought_it_events() -> Non
 
 
 def test_a_silent_cluster_is_lost_a_lifetime_after_its_last_event() -> None:
-    rows = [(i, 100, 50) for i in range(5)] + [(50_000, 800, 800)]
-    records, owner = story(rows, SMALL)
+    rows = [(i, 100, 50) for i in range(5)]
+    records, owner = story([*rows, (50_000, 800, 800)], SMALL)
     (lost,) = of_kind(records, Kind.LOST)
     assert (lost["t_us"], lost["event_index"], lost["track_id"], lost["n_ev"]) == (10_004, 5, 0, 0)
     assert owner[5] == 0  # the slot is free again
-
-
-def test_an_invisible_cluster_ends_without_a_word() -> None:
     records, owner = story([(0, 100, 50), (50_000, 800, 800)], SMALL)
-    assert len(records) == 0
-    assert owner == [0, 0]
+    assert (len(records), owner) == (0, [0, 0])  # an invisible one ends without a word
+    for last_us, at in ((10_003, []), (10_004, [5])):  # nothing is lost after the last event
+        assert of_kind(story([*rows, (last_us, 800, 800)], SMALL)[0], Kind.LOST)["event_index"].tolist() == at
 
 
 def test_removal_waits_for_the_end_of_the_packet_and_an_event_until_then_keeps_the_cluster() -> None:
@@ -116,12 +98,6 @@ def test_removal_waits_for_the_end_of_the_packet_and_an_event_until_then_keeps_t
     records, owner = story([*rows, (19_999, 500, 500), (20_000, 500, 500)], config)
     assert len(of_kind(records, Kind.LOST)) == 0
     assert owner == [0] * 6 + [1, 1]
-
-
-def test_nothing_is_lost_after_the_last_event() -> None:
-    rows = [(i, 100, 50) for i in range(5)]
-    assert len(of_kind(story([*rows, (10_003, 800, 800)], SMALL)[0], Kind.LOST)) == 0
-    assert of_kind(story([*rows, (10_004, 800, 800)], SMALL)[0], Kind.LOST)["event_index"].tolist() == [5]
 
 
 def test_a_loss_stands_in_the_log_where_its_time_is() -> None:
@@ -191,10 +167,7 @@ def test_track_ids_are_never_reused_though_slots_are() -> None:
 
 def test_velocity_is_that_of_the_object() -> None:
     """A point at 200 px/s: once the filters have settled, so says the tracker."""
-    t_us = np.arange(0, 2_000_000, 100)
-    events = Events(
-        t_us, (100 + t_us * 200e-6).astype(np.uint16), np.full(len(t_us), 50, np.uint16), np.ones(len(t_us), np.uint8)
-    )
+    events = events_of([(t_us, int(100 + t_us * 200e-6), 50) for t_us in range(0, 2_000_000, 100)])
     tracker = RctTracker(SMALL)
     tracker.feed(events)
     (cluster,) = tracker.clusters()
@@ -203,27 +176,11 @@ def test_velocity_is_that_of_the_object() -> None:
     assert cluster["x"] == pytest.approx(events.x[-1], abs=3)
 
 
-def test_no_events_no_records() -> None:
-    records, owner = story([], SMALL)
-    assert records.dtype == TRACK
-    assert len(records) == len(owner) == 0
-
-
 def test_time_that_runs_back_between_runs_is_refused() -> None:
     tracker = RctTracker(SMALL)
     tracker.feed(events_of([(5, 0, 0), (9, 0, 0)]))
     with pytest.raises(RecordingError, match=r"^event 2: t = 8 us follows t = 9 us: time must not run back$"):
         tracker.feed(events_of([(8, 0, 0)]))
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [("max_clusters", 0), ("max_clusters", 1025), ("radius_px", 0.0), ("alpha", 1.5), ("visible_events", 0), ("lifetime_us", 0),
-     ("packet_us", 0), ("packet_us", 1.5), ("velocity_alpha", float("nan"))],
-)  # fmt: skip
-def test_a_configuration_outside_its_range_is_refused(field: str, value: Any) -> None:
-    with pytest.raises(ConfigError, match=rf"^rct\.{field} = "):
-        replace(SMALL, **{field: value})
 
 
 def test_a_small_buffer_is_emptied_as_often_as_needed() -> None:
