@@ -109,10 +109,9 @@ class TestShape:
 
     @pytest.mark.parametrize("side", [3, 5, -1])
     def test_other_sides_are_refused(self, side: int) -> None:
-        with pytest.raises(ConfigError, match="cell_px = "):
-            FilterShape(cell_px=side)
-        with pytest.raises(ConfigError, match="cell_px = "):
-            FilterConfig(cell_px=side)
+        for make in (FilterShape, FilterConfig):
+            with pytest.raises(ConfigError, match="cell_px = "):
+                make(cell_px=side)
 
 
 class TestUnits:
@@ -139,20 +138,14 @@ class TestUnits:
         assert replace(config, cell_px=2).registers(1).stamp_shift == 7
 
     @pytest.mark.parametrize(
-        ("changed", "message"),
-        [
-            ({"refractory_ticks": 3}, "refractory_ticks = 3: must be from 4 to 387, with stamps of 7 bits in units of 4 ticks"),
-            (
-                {"refractory_ticks": 388},
-                "refractory_ticks = 388: must be from 4 to 387, with stamps of 7 bits in units of 4 ticks",
-            ),
-            ({"activity_ticks": 384}, "activity_ticks = 384: must be from 0 to 383, with stamps of 7 bits in units of 4 ticks"),
-        ],
+        ("register", "value", "limits"),
+        [("refractory_ticks", 3, "4 to 387"), ("refractory_ticks", 388, "4 to 387"), ("activity_ticks", 384, "0 to 383")],
     )
     def test_registers_that_stamps_cannot_tell_are_refused_where_they_are_used(
-        self, changed: dict[str, int], message: str
+        self, register: str, value: int, limits: str
     ) -> None:
-        regs, shape = FilterRegisters(refractory_ticks=4, stamp_shift=2), FilterShape(cell_px=2)
-        FilterChain(replace(regs, **changed), shape)  # type: ignore[arg-type]
-        with refused(ConfigError, f"filters.{message}"):
-            FilterChain(replace(regs, enable=BOTH, **changed), shape)  # type: ignore[arg-type]
+        regs, shape = replace(FilterRegisters(refractory_ticks=4, stamp_shift=2), **{register: value}), FilterShape(cell_px=2)
+        FilterChain(regs, shape)
+        told = f"filters.{register} = {value}: must be from {limits}, with stamps of 7 bits in units of 4 ticks"
+        with refused(ConfigError, told):
+            FilterChain(replace(regs, enable=BOTH), shape)

@@ -40,10 +40,8 @@ class TestLearning:
         assert learn_hot_pixels(events_at(*background(), (9, 7, 200), (40, 30, 300)), SENSOR) == ((40, 30), (9, 7))
 
     @pytest.mark.parametrize("place", [(0, 0), (63, 0), (0, 47), (63, 47), (63, 20)])
-    def test_also_on_the_border(self, place: tuple[int, int]) -> None:
+    def test_also_on_the_border_and_two_side_by_side(self, place: tuple[int, int]) -> None:
         assert learn_hot_pixels(events_at(*background(), (*place, 200)), SENSOR) == (place,)
-
-    def test_also_two_side_by_side(self) -> None:
         assert learn_hot_pixels(events_at(*background(), (9, 7, 200), (10, 7, 201)), SENSOR) == ((10, 7), (9, 7))
 
     def test_it_must_be_much_busier_than_others(self) -> None:
@@ -80,10 +78,8 @@ class TestLearning:
         blocks = [events[begin : begin + 977] for begin in range(0, len(events), 977)]
         assert learn_hot_pixels([Events.empty(), *blocks], SENSOR) == learn_hot_pixels(events, SENSOR) != ()
 
-    def test_of_nothing_nothing_is_hot(self) -> None:
+    def test_of_nothing_nothing_is_hot_and_a_sensor_of_gigapixels_is_a_mistake(self) -> None:
         assert learn_hot_pixels(Events.empty(), SENSOR) == ()
-
-    def test_a_sensor_of_gigapixels_is_a_mistake(self) -> None:
         with pytest.raises(ConfigError, match="sensor 65536x65536: filters remember at most"):
             learn_hot_pixels(Events.empty(), (65536, 65536))
 
@@ -104,14 +100,13 @@ class TestLearning:
 
 
 class TestFile:
-    def test_what_is_saved_is_loaded(self, tmp_path: Path) -> None:
+    def test_what_is_saved_or_written_by_hand_is_loaded(self, tmp_path: Path) -> None:
         path = tmp_path / "hot.txt"
         save_hot_pixels(path, [(192, 209), (3, 4)], (346, 260))
         assert path.read_text() == "# hot pixels of a 346x260 sensor\n192 209\n3 4\n"
         assert load_hot_pixels(path) == load_hot_pixels(path, (346, 260)) == ((192, 209), (3, 4))
-
-    def test_it_may_be_written_by_hand(self, tmp_path: Path) -> None:
-        path = tmp_path / "hot.txt"
+        with pytest.raises(ConfigError, match=r"line 1: is for a 346x260 sensor: must be for 128x128$"):
+            load_hot_pixels(path, (128, 128))
         path.write_text("# mine\n\n 5\t6 # blinks\n5 6\n65535 0\n")
         assert load_hot_pixels(path) == ((5, 6), (65535, 0))
 
@@ -132,12 +127,6 @@ class TestFile:
         path.write_text(text)
         with refused(ConfigError, f"{path}: {message}"):
             load_hot_pixels(path)
-
-    def test_a_file_for_another_sensor_is_refused(self, tmp_path: Path) -> None:
-        path = tmp_path / "hot.txt"
-        save_hot_pixels(path, [(1, 1)], (64, 48))
-        with pytest.raises(ConfigError, match=r"line 1: is for a 64x48 sensor: must be for 128x128$"):
-            load_hot_pixels(path, (128, 128))
 
     def test_files_that_cannot_be_used(self, tmp_path: Path) -> None:
         with pytest.raises(ConfigError, match=r"absent\.txt: cannot be read: No such file or directory$"):

@@ -116,8 +116,7 @@ def test_a_silence_is_not_measured() -> None:
     filters = chain()
     filters.feed(noise(3.0, 1_000_000))
     before = level_of(filters).level
-    filters.feed(ticked(50_000_000, 5, 5))
-    filters.feed(ticked(50_000_001, 5, 5))
+    filters.feed(ticked(np.array([50_000_000, 50_000_001]), 5, 5))
     assert level_of(filters).level == pytest.approx(before, rel=0.12)
 
 
@@ -220,15 +219,11 @@ BOUND = 0.03
 
 
 def test_the_table_is_the_pages_formula() -> None:
+    age = np.arange(289)
+    exact = np.round(256 * 2 ** (-(age % 32) / 32)).astype(np.int64) >> age // 32
     for epsilon in range(256):
-        table = weights(epsilon)
-        assert len(table) == 289
-        for age, weight in enumerate(table.tolist()):
-            exact = round(256 * 2 ** (-(age % 32) / 32)) >> (age // 32)
-            assert weight == (exact if exact > epsilon else 0)
-    assert weights(0)[-1] == 0  # nothing is left, so every greater age may read the last entry
-    assert weights(0)[-2] == 0
-    assert weights(0)[287 - 31] == 1
+        np.testing.assert_array_equal(weights(epsilon), np.where(exact > epsilon, exact, 0))
+    assert weights(0)[[-1, -2, 287 - 31]].tolist() == [0, 0, 1]  # nothing is left: every greater age may read the last entry
 
 
 def test_a_weight_is_within_the_bound_of_exp_at_every_age_in_units() -> None:
@@ -273,9 +268,7 @@ def test_the_filter_counts_the_same_units(rate: int, start: int) -> None:
 
 @pytest.mark.parametrize("support", [2048, 2047, 1793])
 def test_eight_fresh_neighbours_reach_the_greatest_support(support: int) -> None:
-    ring = [(x, y) for x in range(3) for y in range(3) if (x, y) != (1, 1)]
-    x, y = (np.array(column, np.uint16) for column in zip(*ring, (1, 1), strict=True))
+    x, y = np.array([*((x, y) for x in range(3) for y in range(3) if (x, y) != (1, 1)), (1, 1)], np.uint16).T
     for fresh in (8, 7):
         decay = DecayFilter(FilterRegisters(decay_rate=1 << 24, decay_support=support), FilterShape(3, 3))
-        keep = decay.feed(ticked(0, x[8 - fresh :], y[8 - fresh :]))
-        assert keep[-1] == (256 * fresh >= support)
+        assert decay.feed(ticked(0, x[8 - fresh :], y[8 - fresh :]))[-1] == (256 * fresh >= support)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The golden model by itself: compared with a slow model in plain Python, streams split anywhere, units of a TrackLog.
+"""The golden model by itself: compared with a slow model in plain Python, streams split anywhere, units of a TrackLog, and
+registers that change between two events.
 
 The stories that it shares with the hardware are in tests/hw.
 """
@@ -14,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
@@ -273,12 +275,6 @@ class TestTrackLog:
         assert out["confidence"].tolist() == [0.5, 0.5, 0.75]
         assert out[["angle", "vx", "vy"]].tolist() == [(0, 0, 0)] * 3
 
-    def test_a_loss_needs_no_event_at_all(self) -> None:
-        raw = np.zeros(1, RECORD)
-        raw["kind"], raw["time"] = Kind.LOST, 7
-        out = to_track_records(raw, CotConfig(SHAPE, (SLOT,) * 4), np.empty(0, np.int64), 0, 100)
-        assert out["t_us"].tolist() == [107]
-
     def recording(self) -> Recording:
         events = crowd(2000, seed=5)
         return Recording(Events(7_000 + events.ticks * 10 + 3, events.x, events.y, events.p), 64, 64)
@@ -301,9 +297,65 @@ class TestTrackLog:
         recording, config = self.recording(), CotConfig(SHAPE, (SLOT,) * 4, tick_us=10)
         assert len(track(recording, config).of_kind(Kind.MERGED)) > 0
         chain = track(recording, replace(config, module="cot_chain"))
-        assert chain.engine == "cot_chain"
-        assert len(chain.of_kind(Kind.MERGED)) == 0
-
-    def test_no_events_no_log(self) -> None:
-        log = track(Recording(Events.empty(), 64, 64), CotConfig(SHAPE, (SLOT,) * 4))
+        assert (chain.engine, len(chain.of_kind(Kind.MERGED))) == ("cot_chain", 0)
+        log = track(Recording(Events.empty(), 64, 64), config)
         assert (len(log.records), len(log.owner)) == (0, 0)
+        raw = np.zeros(1, RECORD)
+        raw["kind"], raw["time"] = Kind.LOST, 7
+        lost = to_track_records(raw, replace(config, tick_us=1), np.empty(0, np.int64), 0, 100)
+        assert lost["t_us"].tolist() == [107], "a loss needs no event"
+
+
+WIDE = Shape(n_slots=2, x_w=7, y_w=7)
+QUICK = SlotConfig(
+    init_radix=6, radix_th=2, radix_step=1, radix_min=4, radix_max=8, hist_avg=1, max_ticks=1_000,
+    clust_nev=1, nev_min=1, nev_max=1, detect_ticks=100,
+)  # fmt: skip
+
+
+def model_of(module: Module = "cot_array") -> CotModel:
+    return CotModel(CotConfig.uniform(WIDE, QUICK, module=module))
+
+
+def feed(model: CotModel, *events: tuple[int, int]) -> Decisions:
+    ticks, x = np.array(events, np.int64).T
+    return model.feed(ticked(ticks, x, 20))
+
+
+def test_a_life_goes_on_with_the_new_values() -> None:
+    model = model_of()
+    feed(model, (0, 20))
+    assert len(model.write_registers(0, replace(QUICK, radix_max=12, radix_step=4), restart=False)) == 0
+    record = feed(model, (1, 27)).records[0]
+    assert (Kind(record["kind"]), record["track_id"]) == (Kind.MOVED, 0)
+    assert record["radius"] == 5 + 4 + 2  # born with g = 6 less the step of 1; the ring was marked: 4 more
+
+
+def test_mode_restarts_a_slot_and_a_life_that_was_there_is_lost_now() -> None:
+    model = model_of()
+    model.write_registers(0, replace(QUICK, mode=Mode.OFF), restart=False)
+    assert feed(model, (0, 20), (5, 21)).owner.tolist() == [0, 0], "without a restart mode stays"
+    lost = model.write_registers(0, replace(QUICK, mode=Mode.OFF), restart=True)
+    assert [(Kind(row["kind"]), int(row["seq"]), int(row["time"])) for row in lost] == [(Kind.LOST, 2, 5)]
+    assert feed(model, (6, 21)).owner.tolist() == [1]  # the other slot
+    with pytest.raises(ConfigError, match=r"slot\[1\].hist_avg = 9: must be an integer from 0 to 8"):
+        model.write_registers(1, replace(QUICK, hist_avg=9), restart=False)
+
+
+def test_a_deadline_that_is_set_stays_in_an_array_and_moves_in_a_chain() -> None:
+    stories: tuple[tuple[Module, int], ...] = (("cot_array", 1_000), ("cot_chain", 30))
+    for module, lost_at in stories:
+        model = model_of(module)
+        feed(model, (0, 20))
+        model.write_registers(0, replace(QUICK, max_ticks=30), restart=False)
+        records = feed(model, (900, 90), (2_000, 20)).records
+        assert records["time"][records["kind"] == Kind.LOST].tolist()[0] == lost_at
+
+
+def test_where_a_life_starts_is_loaded_when_the_one_before_ends() -> None:
+    model = model_of()
+    model.write_registers(0, replace(QUICK, init_radix=4, radix_min=4), restart=False)
+    first = feed(model, (0, 20)).records[0]
+    second = feed(model, (5_000, 20)).records
+    assert first["radius"] == 5 + 2  # INIT_CELL was before the change
+    assert second["radius"][second["kind"] == Kind.BORN].tolist() == [4 + 2]

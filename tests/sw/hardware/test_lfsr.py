@@ -121,22 +121,12 @@ def test_refuses_a_width_without_taps(width: int) -> None:
         tap_mask(width)
 
 
-def test_the_output_is_the_input_one_clock_later() -> None:
-    dff = Dff()
-    assert dff.q is False
-    assert [dff.step(d) for d in (True, True, False, True)] == [True, True, False, True]
-
-
-def test_a_plain_reset_is_zero_whatever_the_input() -> None:
-    dff = Dff()
-    assert [dff.step(d, rst=True) for d in (True, False)] == [False, False]
-    assert dff.step(True) is True
-
-
-def test_the_published_reset_follows_the_complement_of_the_input() -> None:
-    dff = Dff(reset_to_complement=True)
-    assert [dff.step(d, rst=True) for d in (True, False, False, True)] == [False, True, True, False]
-    assert dff.step(True) is True
+def test_a_flip_flop_delays_by_a_clock_and_is_reset_to_zero_or_to_the_complement() -> None:
+    for to_complement, reset in ((False, [False, False, False]), (True, [False, True, True])):
+        dff = Dff(reset_to_complement=to_complement)
+        assert [dff.step(d, rst=True) for d in (True, False, False)] == reset
+        assert [dff.step(d) for d in (True, True, False, True)] == [True, True, False, True]
+    assert Dff().q is False
 
 
 def test_candidates_are_slices_of_the_state() -> None:

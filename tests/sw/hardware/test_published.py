@@ -220,15 +220,11 @@ class TestRefused:
         with pytest.raises(ConfigError, match=rf"published\.{field} = {value}: must be from"):
             replace(CONFIG, **{field: value})
 
-    def test_an_enable_that_is_no_truth(self) -> None:
+    def test_five_trackers_and_events_for_a_tracker_that_is_still_selected(self) -> None:
         with pytest.raises(ConfigError, match=r"published\.enable = 255: must be true or false"):
             replace(CONFIG, enable=255)  # type: ignore[arg-type]
-
-    def test_five_trackers(self) -> None:
         with pytest.raises(ConfigError, match="5 published trackers: must be at most 4"):
             PublishedCascade([CONFIG] * 5)
-
-    def test_events_for_a_tracker_that_is_still_selected(self) -> None:
         cascade = PublishedCascade([CONFIG])
         cascade.write([(SELECT, 1)])
         with pytest.raises(ConfigError, match="tracker 0 is selected"):

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The golden model of the extended contract against a slow one in plain Python, on streams in which objects meet."""
+"""The golden model of the extended contract against a slow one in plain Python, on streams in which objects meet; the
+registers of the contract: ranges, contradictions, and the file that sets them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,13 +19,16 @@ from evcot.hardware.contract import Mode
 from evcot.hardware.golden import to_track_records
 from evcot.hardware.model import Decisions
 from evcot.hardware.motion._kernel import RECORDS_PER_STEP
-from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
+from evcot.hardware.motion._state import STEP_LOG2
+from evcot.hardware.motion.contract import MOTION_RANGES, MOTION_RECORD, MotionRegisters
 from evcot.hardware.motion.model import MotionModel
 from evcot.ticks import TickedEvents
+from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import DROPPED, Kind
 from support.logs import Square, bursts
 from support.moving import LEAVES, QUICK, SHAPE, VARIANTS, leaves, scene
+from support.refusals import refused
 from support.slow_motion import SlowArray
 
 FEW_EVENTS = replace(QUICK, birth_support=20, nev_high=10)  # where most events are taken out
@@ -40,19 +46,30 @@ def as_tuples(records: NDArray[np.void]) -> list[tuple[int, ...]]:
     return list(zip(*(records[name].tolist() for name in names), strict=True))
 
 
+def assert_equals_slow(
+    config: MotionConfig, events: TickedEvents, keep: NDArray[np.bool_] | None = None
+) -> tuple[Decisions, SlowArray]:
+    """Owner for owner and record for record."""
+    decided = MotionModel(config).feed(events, keep)
+    shape = config.shape
+    slow = SlowArray(config.registers, shape.n_slots, (1 << shape.sup_w) - 1, (1 << shape.id_w) - 1)
+    feed_slow(slow, events, keep)
+    assert decided.owner.tolist() == slow.owners
+    assert decided.visible.tolist() == slow.of_tracks
+    assert as_tuples(decided.records) == slow.records
+    return decided, slow
+
+
+def feed_slow(slow: SlowArray, events: TickedEvents, keep: NDArray[np.bool_] | None = None) -> None:
+    kept = [True] * len(events) if keep is None else keep.tolist()
+    for event in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), kept, strict=True):
+        slow.event(*event)
+
+
 @pytest.mark.parametrize("name", VARIANTS)
-@pytest.mark.parametrize("seed", [1])
-def test_equals_a_slow_model(name: str, seed: int) -> None:
-    registers, events = replace(QUICK, **VARIANTS[name]), scene(seed)
-    model = MotionModel(config_of(registers)).feed(events)
-    slow = SlowArray(registers, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
-    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
-        slow.event(at, x, y)
-    assert model.owner.tolist() == slow.owners
-    assert model.visible.tolist() == slow.of_tracks
-    assert any(slow.of_tracks)
-    assert not all(slow.of_tracks)
-    assert as_tuples(model.records) == slow.records
+def test_equals_a_slow_model(name: str) -> None:
+    _, slow = assert_equals_slow(config_of(replace(QUICK, **VARIANTS[name])), scene(1))
+    assert 0 < sum(slow.of_tracks) < len(slow.of_tracks)
     assert len(slow.records) > 0
 
 
@@ -60,13 +77,7 @@ def test_what_has_left_is_not_corrected() -> None:
     """It may return in the widest window, until its own deadline, though a correction is due when it has left."""
     config = config_of(LEAVES)
     records = MotionModel(config).feed(leaves(12_000)).records
-    events = leaves(int(records["time"][records["kind"] == Kind.LOST][0]))
-    model, slow = MotionModel(config), SlowArray(LEAVES, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
-    found = model.feed(events)
-    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
-        slow.event(at, x, y)
-    assert found.owner.tolist() == slow.owners
-    assert as_tuples(found.records) == slow.records
+    found, _ = assert_equals_slow(config, leaves(int(records["time"][records["kind"] == Kind.LOST][0])))
     kinds = found.records["kind"].tolist()
     assert (kinds.count(Kind.BORN), kinds.count(Kind.LOST)) == (1, 1)
     assert found.records["slot"][0] != found.records["slot"][-1], "another slot goes on with the track"
@@ -76,25 +87,14 @@ def test_what_has_left_is_not_corrected() -> None:
 def test_equals_a_slow_model_where_events_come_in_bursts(step_ms: int) -> None:
     config = fit(PRESETS["motion"], 240, 180, 8).hardware
     assert isinstance(config, MotionConfig)
-    events = TickedEvents.of(bursts(step_ms, [Square(20, 20, 40, 30), Square(150, 100, -40, 10, side=30)], (240, 180)))
-    slow = SlowArray(config.registers, 8, (1 << config.shape.sup_w) - 1, (1 << config.shape.id_w) - 1)
-    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
-        slow.event(at, x, y)
-    model = MotionModel(config).feed(events)
-    assert model.owner.tolist() == slow.owners
-    assert as_tuples(model.records) == slow.records
+    squares = [Square(20, 20, 40, 30), Square(150, 100, -40, 10, side=30)]
+    assert_equals_slow(config, TickedEvents.of(bursts(step_ms, squares, (240, 180))))
 
 
 @pytest.mark.parametrize("period", [60, 300, 1_000])
 @pytest.mark.parametrize("name", ["quick", "quick turns", "coarse steps", "everything is born", "gaps at once"])
 def test_equals_a_slow_model_where_slots_are_corrected_more_than_once_in_a_burst(name: str, period: int) -> None:
-    registers, events = replace(QUICK, **VARIANTS[name]), scene(5, period=period)
-    model = MotionModel(config_of(registers)).feed(events)
-    slow = SlowArray(registers, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
-    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
-        slow.event(at, x, y)
-    assert model.owner.tolist() == slow.owners
-    assert as_tuples(model.records) == slow.records
+    assert_equals_slow(config_of(replace(QUICK, **VARIANTS[name])), scene(5, period=period))
 
 
 @pytest.mark.parametrize("seed", [3, 4])
@@ -106,8 +106,7 @@ def test_equals_a_slow_model_whose_registers_change_while_lives_go_on(seed: int)
     for begin in range(0, len(events), 150):
         part = events[begin : begin + 150]
         records += as_tuples(model.feed(part).records)
-        for at, x, y in zip(part.ticks.tolist(), part.x.tolist(), part.y.tolist(), strict=True):
-            slow.event(at, x, y)
+        feed_slow(slow, part)
         changed = replace(QUICK, **VARIANTS[str(rng.choice(list(VARIANTS)))])
         model.write_registers(changed)
         slow.write(changed, int(part.ticks[-1]))
@@ -159,13 +158,8 @@ def test_dropped_events_have_no_owner_but_advance_time_and_the_count(passing: fl
     events = scene(2)
     keep = np.random.default_rng(5).random(len(events)) < passing
     keep[-1_000:] = False  # lives end while none is kept
-    decided = MotionModel(config_of(FEW_EVENTS)).feed(events, keep)
-    slow = SlowArray(FEW_EVENTS, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
-    for at, x, y, kept in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), keep.tolist(), strict=True):
-        slow.event(at, x, y, kept)
+    decided, slow = assert_equals_slow(config_of(FEW_EVENTS), events, keep)
     assert np.array_equal(decided.owner == DROPPED, ~keep)
-    assert decided.owner.tolist() == slow.owners
-    assert as_tuples(decided.records) == slow.records
     assert len(slow.records) > 100
 
 
@@ -207,18 +201,67 @@ def test_a_fixed_start_and_a_chain_are_refused() -> None:
 
 def test_records_in_pixels_and_seconds() -> None:
     raw = np.zeros(1, MOTION_RECORD)
-    raw["cm_x"], raw["cm_y"], raw["width"], raw["height"], raw["v_x"], raw["v_y"] = (
-        10 << 12,
-        -4096,
-        32 << 12,
-        16 << 12,
-        2048,
-        -4096,
-    )
-    raw["time"], raw["support"] = 5, 30
+    raw["cm_x"], raw["cm_y"], raw["width"], raw["height"] = 10 << 12, -4096, 32 << 12, 16 << 12
+    raw["v_x"], raw["v_y"], raw["time"], raw["support"] = 2048, -4096, 5, 30
     config = replace(config_of(replace(QUICK, side_share=4)), tick_us=10)
     (record,) = to_track_records(raw, config, np.array([999]), 0, 1_000)
     assert (record["x"], record["y"], record["t_us"]) == (10.0, -1.0, 1_050)
     assert (record["width"], record["height"], record["radius"]) == (35.0, 18.0, 17.5)
     assert (record["vx"], record["vy"]) == (1562.5, -3125.0)  # of 320 us a step
     assert record["confidence"] == 0.5
+
+
+NAMES = [field.name for field in fields(MotionRegisters)]
+
+
+def registers_of(config: RunConfig) -> MotionRegisters:
+    assert isinstance(config.hardware, MotionConfig)
+    return config.hardware.registers
+
+
+def test_every_register_has_a_range() -> None:
+    assert list(MOTION_RANGES) == NAMES
+    assert NAMES[STEP_LOG2] == "step_log2"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_value_outside_its_range_is_named(name: str) -> None:
+    low, high, meaning = MOTION_RANGES[name]
+    for value in (int(low) - 1, int(high) + 1, 1.5, True):
+        changes: dict[str, Any] = {name: value}
+        with refused(ConfigError, f"motion.{name} = {value!r}: must be an integer from {low} to {high} ({meaning})"):
+            replace(MotionRegisters(), **changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"nev_low": 20, "nev_high": 10}, "motion.nev_low = 20: must be at most nev_high = 10"),
+        ({"ring_px": 9, "ring_max": 8}, "motion.ring_px = 9: must be at most ring_max = 8"),
+        ({"life_ticks": 9, "coast_ticks": 8}, "motion.life_ticks = 9: must be at most coast_ticks = 8"),
+        ({"seed_px": 9, "side_max": 17}, "motion.seed_px = 9: must be at most half of side_max = 17"),
+    ],
+)
+def test_contradictions_are_refused_and_values_at_their_limit_taken(changes: dict[str, int], message: str) -> None:
+    with refused(ConfigError, message):
+        MotionRegisters(**changes)
+    MotionRegisters(nev_low=20, nev_high=20, ring_px=8, ring_max=8, life_ticks=9, coast_ticks=9, seed_px=9, side_max=18)
+
+
+def test_a_file_sets_them(tmp_path: Path) -> None:
+    path = tmp_path / "run.toml"
+    path.write_text('hardware = "cot_motion"\n[motion]\nside_max = 90\n', encoding="utf-8")
+    base = PRESETS["motion"]
+    assert registers_of(load_toml(path, base)) == replace(registers_of(base), side_max=90)
+    assert registers_of(load_toml(path, PRESETS["davis346"])) == MotionRegisters(side_max=90), "no registers of it before"
+    path.write_text("[motion]\nside = 90\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"\[motion\]: unknown field 'side'"):
+        load_toml(path, base)
+
+
+def test_the_preset_keeps_them_on_any_sensor() -> None:
+    motion = PRESETS["motion"]
+    assert motion.hardware.module == "cot_motion"
+    assert registers_of(fit(motion, 640, 480, 4)) == registers_of(motion)
+    hardware = {name: PRESETS[name].to_dict()["hardware"] for name in ("motion", "traffic")}
+    assert [("registers" in values, "slots" in values) for values in hardware.values()] == [(True, False), (False, True)]
