@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Kernels: compiled in another process, kept, and forgotten when stale."""
+"""Kernels: compiled in another process, kept, forgotten when stale; what the command line leaves out of Numba."""
 
 from __future__ import annotations
 
@@ -92,11 +92,6 @@ def kernels(package: Path) -> set[str]:
     return {path.parent.parent.relative_to(package).as_posix() for path in package.rglob("*.nb[ci]")}
 
 
-def test_nothing_changed_nothing_is_forgotten(package: Path) -> None:
-    assert forget_stale_kernels(package) == []
-    assert kernels(package) == {".", "rct", "filters"}
-
-
 @pytest.mark.parametrize(
     ("changed", "left"), [("rct/merge.py", {".", "filters"}), ("filters/chain.py", {".", "rct"}), ("events.py", set())]
 )
@@ -107,7 +102,9 @@ def test_a_change_drops_the_kernels_beside_and_below(package: Path, changed: str
     assert forget_stale_kernels(package) == []
 
 
-def test_a_source_that_comes_or_goes_is_a_change(package: Path) -> None:
+def test_a_source_that_comes_or_goes_is_a_change_and_nothing_else(package: Path) -> None:
+    assert forget_stale_kernels(package) == []
+    assert kernels(package) == {".", "rct", "filters"}
     (package / "rct" / "size.py").write_text("y = 1\n")
     assert forget_stale_kernels(package) == ["rct"]
     (package / "rct" / "size.py").unlink()
@@ -186,23 +183,56 @@ def test_kernels_in_the_cache_are_forgotten_too(tmp_path: Path, monkeypatch: pyt
     assert not kernel.exists()
 
 
-def test_a_cache_that_cannot_be_written_is_left_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("imports", "cache"), [("evcot", "file"), ("numba, evcot", ".")])
+def test_a_cache_that_cannot_be_written_or_was_chosen_before_is_left_alone(tmp_path: Path, imports: str, cache: str) -> None:
+    """Numba that was imported first would not see another: stale kernels would be looked for where there are none."""
     (tmp_path / "file").write_text("")
     environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    script = "import os, evcot; print(os.environ.get('NUMBA_CACHE_DIR'))"
+    script = f"import os, {imports}; print(os.environ.get('NUMBA_CACHE_DIR'))"
     run = subprocess.run(
-        [sys.executable, "-c", script], env=environment | {"EVCOT_CACHE": str(tmp_path / "file")},
+        [sys.executable, "-c", script], env=environment | {"EVCOT_CACHE": str(tmp_path / cache)},
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert run.stdout.strip() == "None"
 
 
-def test_where_numba_was_imported_first_its_choice_is_left_alone(tmp_path: Path) -> None:
-    """It would not see another: stale kernels would be looked for where there are none."""
-    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    script = "import os, numba, evcot; print(os.environ.get('NUMBA_CACHE_DIR'))"
-    run = subprocess.run(
-        [sys.executable, "-c", script], env=environment | {"EVCOT_CACHE": str(tmp_path)},
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    assert run.stdout.strip() == "None"
+KERNEL = "from evcot._numba_private import njit; assert njit(lambda x: x + {0})(1) == 1 + {0}"
+UNUSED = {"importlib.metadata", "colorama", "scipy", "yaml", "cffi", "numba.core.entrypoints"}
+CACHED = "from evcot.bits import lowest; lowest(6)"
+TYPES_TO_COMPILE = {"numba.np.arraymath", "scipy.linalg"}
+
+
+def loaded_after(*lines: str) -> set[str]:
+    """The modules that a process has loaded after these lines."""
+    code = "\n".join([*lines, "import sys; print(*(name for name in sys.modules if sys.modules[name] is not None))"])
+    return set(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_a_command_runs_compiled_kernels_without_packages_that_it_does_not_use() -> None:
+    loaded_after(CACHED)
+    loaded = loaded_after("import evcot_cosim.cli", CACHED)
+    assert "numba" in loaded
+    assert not loaded & (UNUSED | TYPES_TO_COMPILE)
+
+
+def test_a_kernel_that_is_compiled_after_one_from_the_cache_has_what_a_compilation_needs() -> None:
+    assert loaded_after(CACHED, KERNEL.format(1)) >= TYPES_TO_COMPILE
+
+
+def test_a_kernel_of_another_package_is_loaded_as_numba_does_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "evcot_of_a_user.py").write_text("import numba\nkernel = numba.njit(cache=True)(lambda x: x + 1)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    lines = "import evcot._numba_private, evcot_of_a_user", "assert evcot_of_a_user.kernel(1) == 2"
+    loaded_after(*lines)
+    assert loaded_after(*lines) >= TYPES_TO_COMPILE
+
+
+def test_extensions_of_numba_are_looked_for_once_plug_ins_have_been() -> None:
+    """The first kernel comes from the cache; the second may be a plug-in's."""
+    plug_ins = "from importlib.metadata import entry_points"
+    extensions = "import sys; assert sys.modules['numba.core.entrypoints']._already_initialized"
+    loaded_after("import evcot_cosim.cli", CACHED, plug_ins, KERNEL.format(2), extensions)
+
+
+def test_a_library_has_numba_as_it_is() -> None:
+    assert "numba.core.entrypoints" in loaded_after(KERNEL.format(1))

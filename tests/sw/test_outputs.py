@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import subprocess
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 from evcot import outputs
-from evcot.errors import OutputError
+from evcot.errors import OutputError, reason_of
 from evcot.events import Events, Recording
 from evcot.outputs import (
     RUN_FILE,
@@ -29,6 +30,7 @@ from evcot.outputs import (
     written_aside,
 )
 from evcot.recordings.files import open_recording, write_events, write_recording
+from support.refusals import refused
 
 
 @pytest.fixture(autouse=True)
@@ -89,17 +91,15 @@ class TestFiles:
             Path("a").write_bytes(b"mine")
         assert (names(), Path("a").read_bytes()) == (["a"], b"mine")
 
-    def test_a_hard_link_keeps_what_it_has(self) -> None:
+    def test_a_hard_link_keeps_what_it_has_and_no_folder_is_written(self) -> None:
         Path("mine").write_bytes(b"mine")
         os.link("mine", "a")
         write("a", force=True)
         assert (Path("a").read_bytes(), Path("mine").read_bytes()) == (b"new", b"mine")
-
-    @pytest.mark.parametrize("path", [".", "..", "folder", "/"])
-    def test_a_folder_is_no_file(self, path: str) -> None:
         Path("folder").mkdir()
-        with pytest.raises(OutputError, match="is a folder: must be a file"):
-            write(path, force=True)
+        for path in (".", "..", "folder", "/"):
+            with pytest.raises(OutputError, match="is a folder: must be a file"):
+                write(path, force=True)
 
     @pytest.mark.parametrize(
         ("path", "reason"),
@@ -130,16 +130,12 @@ class TestLinks:
         Path("link").symlink_to("target")
         with pytest.raises(OutputError, match="link: exists"):
             write("link")
-        write("link", force=True)
-        assert Path("link").is_symlink()
-        assert Path("target").read_bytes() == b"new"
-
-    def test_where_a_link_leads_nowhere_its_target_is_made(self) -> None:
         Path("folder").mkdir()
-        Path("link").symlink_to("folder/target")
-        write("link")
-        assert Path("link").is_symlink()
-        assert Path("folder/target").read_bytes() == b"new"
+        Path("to folder").symlink_to("folder/target")
+        for name, force, target in (("link", True, "target"), ("to folder", False, "folder/target")):
+            write(name, force=force)
+            assert Path(name).is_symlink()
+            assert Path(target).read_bytes() == b"new"
         assert names("folder") == ["target"]
 
     def test_a_link_to_a_folder_of_a_run(self) -> None:
@@ -248,35 +244,30 @@ class TestFolders:
                 run_into(name, a="2")
         assert Path("copied/a.txt").read_text() == "mine"
 
-    @pytest.mark.parametrize("name", ["../mine", "/{here}/mine", "more/mine", "..", ".", "", "a.txt\\u0000", "..\\\\mine"])
-    def test_a_list_that_names_a_path_is_no_list(self, name: str) -> None:
-        """A run folder may come from somebody else."""
+    @pytest.mark.parametrize(
+        "name", ["../mine", "/{here}/mine", "more/mine", "..", ".", "", "a.txt\\u0000", "..\\\\mine", "key"]
+    )
+    def test_a_list_that_names_a_path_or_has_a_key_of_very_many_parts_is_no_list(self, name: str) -> None:
+        """A run folder may come from somebody else; such a key would take more memory than the square of its parts."""
         Path("mine").write_text("mine")
         run_into("run", a="1")
         Path("run/more").mkdir()
         Path("run/more/mine").write_text("mine")
         digest = re.findall('"a.txt" = "(.*)"', Path("run/run.toml").read_text())[0]
+        line = f'"{name.format(here=str(Path.cwd())[1:])}" = "{digest}"\n'
         with Path("run/run.toml").open("a") as file:
-            file.write(f'"{name.format(here=str(Path.cwd())[1:])}" = "{digest}"\n')
+            file.write(f"[{'.'.join('a' * 17)}]\n" if name == "key" else line)
         before = names("run")
         with pytest.raises(OutputError, match="holds files, and evcot did not make it"):
             run_into("run", a="2")
         assert (own_files(Path("run")), names("run")) == (None, before)
         assert (Path("mine").read_text(), Path("run/more/mine").read_text()) == ("mine", "mine")
 
-    def test_a_list_with_a_key_of_very_many_parts_is_no_list(self) -> None:
-        """It would take more memory than the square of their number."""
-        run_into("run", a="1")
-        with Path("run/run.toml").open("a") as file:
-            file.write(f"[{'.'.join('a' * 17)}]\n")
-        with pytest.raises(OutputError, match="holds files, and evcot did not make it"):
-            run_into("run", a="2")
-
     def test_a_folder_belongs_to_the_command_that_made_it(self) -> None:
         run_into("run", a="1")
-        with pytest.raises(OutputError) as caught, folder_written_aside(Path("run"), "sweep"):
+        told = "run: was made by evcot cosim: must be another folder for evcot sweep"
+        with refused(OutputError, told), folder_written_aside(Path("run"), "sweep"):
             pass
-        assert str(caught.value) == "run: was made by evcot cosim: must be another folder for evcot sweep"
         assert names("run") == ["a.txt", RUN_FILE]
 
     @pytest.mark.parametrize("name", ["a.txt", RUN_FILE])
@@ -325,11 +316,14 @@ class TestFolders:
             run_into(name, a=text)
             assert (names(name), Path(name, "a.txt").read_text()) == (["a.txt", RUN_FILE], text)
 
-    def test_an_interrupted_replacement_does_not_look_whole(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_run_toml_and_the_summary_come_last_so_that_what_is_interrupted_does_not_look_whole(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         run_into("run", a="1", summary="1")
-        link = os.link
+        moved, link = [], os.link
 
         def interrupted(source: Path, target: Path) -> None:
+            moved.append(target.name)
             if target.name == "summary.txt":
                 raise KeyboardInterrupt
             link(source, target)
@@ -338,13 +332,9 @@ class TestFolders:
         with pytest.raises(KeyboardInterrupt):
             run_into("run", a="2", summary="2")
         assert names("run") == ["a.txt"]
-
-    def test_run_toml_and_the_summary_come_last(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        run_into("run", a="1")
-        moved = []
-        link = os.link
-        monkeypatch.setattr(os, "link", lambda source, target: (moved.append(target.name), link(source, target)))
-        with folder_written_aside(Path("run"), "cosim") as aside:
+        run_into("other", a="1")
+        moved.clear()
+        with folder_written_aside(Path("other"), "cosim") as aside:
             for name in ("z", "summary.json", RUN_FILE, "a.txt"):
                 (aside / name).touch()
         assert moved == ["a.txt", "z", "summary.json", RUN_FILE]
@@ -413,9 +403,6 @@ class TestCalls:
             claims.write("--csv", Path(other))
         for option in ("-o", "--csv"):
             Claims().write(option, Path("/dev/null"))
-
-    def test_an_output_file_is_not_in_an_output_folder(self) -> None:
-        claims = Claims()
         claims.write_folder("-o", Path("run"), "cosim")
         with pytest.raises(OutputError, match="is in run, which is written too"):
             claims.write("--csv", Path("run/a.csv"))
@@ -446,3 +433,48 @@ class TestCalls:
         assert Path("a.npz").read_bytes() == before
         write_recording(recording, "a.npz", force=True)
         assert not any(count > 0 for count in outputs._being_read.values())
+
+
+_FULL = os.strerror(errno.ENOSPC)
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (OSError(errno.ENOSPC, _FULL), _FULL),
+        (OSError(errno.ENOSPC, _FULL, "log.npz"), _FULL),
+        (OSError(errno.ENOSPC, _FULL, b"log.npz"), _FULL),
+        (OSError(errno.ENOSPC, _FULL, ".log.npz.0123abcd.partial"), _FULL),
+        (OSError(errno.ENOSPC, _FULL, "./log.npz"), _FULL),
+        (OSError(errno.ENOENT, "No such file or directory", "main.js"), "main.js: No such file or directory"),
+        (OSError(errno.ENOENT, "No such file", ".run.0123abcd.partial/a.html"), "run/a.html: No such file"),
+        (OSError(errno.ENOENT, "No such file", 7), "No such file"),
+        (OSError("1 requested\nand 0 written"), "1 requested and 0 written"),
+        (TimeoutError(), "TimeoutError"),
+        (OSError(), "OSError"),
+    ],
+)
+def test_reason_is_never_empty_and_names_another_file(error: OSError, reason: str) -> None:
+    assert reason_of(error, Path("log.npz")) == reason
+
+
+def test_option_before_the_file_or_its_whole_path_changes_nothing() -> None:
+    assert reason_of(OSError(errno.ENOSPC, _FULL, "log.npz"), "-o log.npz") == _FULL
+    assert reason_of(OSError(errno.ENOSPC, _FULL, os.path.abspath("log.npz")), Path("log.npz")) == _FULL
+
+
+@pytest.mark.parametrize("writes", [written_aside, lambda path: folder_written_aside(path, "cosim")])
+def test_output_is_not_blamed_for_a_file_that_was_read(writes: object, tmp_path: Path) -> None:
+    assert callable(writes)
+    absent = tmp_path / "absent.css"
+    with (
+        pytest.raises(OSError, match=rf"^{tmp_path}/out: cannot be written: {absent}: No such file or directory$"),
+        writes(tmp_path / "out"),
+    ):
+        absent.read_text()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_error_without_a_text_has_a_reason(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match=r"out: cannot be written: OSError$"), written_aside(tmp_path / "out"):
+        raise OSError

@@ -17,6 +17,7 @@ from evcot.metrics import evaluate as score
 from evcot.metrics import load_rule, read_truth
 from evcot.trackers.rct.config import PRESETS as RCT
 from evcot.trackers.settings import changeable
+from support.refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -106,51 +107,29 @@ def test_a_film_is_written_and_refuses_a_recording_without_events(scene: evcot.S
         evcot.render(empty, {"rct": log}, tmp_path / "empty.gif")
 
 
-def test_a_simulation_repeats() -> None:
-    one, other = (evcot.simulate("discs", seed=seed, duration_us=50_000, count=2) for seed in (3, 3))
-    assert digest(one.recording.events) == digest(other.recording.events)
-
-
 def test_bad_input_is_one_line(scene: evcot.Scene, tmp_path: Path) -> None:
-    recording = scene.recording
+    recording, config = scene.recording, evcot.ConfigError
+    nothing = evcot.GroundTruth(np.empty(0, np.int64), np.empty(0), ())
     for make, error, message in (
-        (lambda: evcot.track(recording, "rtc"), evcot.ConfigError, "engine rtc: must be one of cot_motion, cot_array,"),
-        (lambda: evcot.track(recording, "rct", "cars"), evcot.ConfigError, "preset cars: must be one of plain"),
-        (lambda: evcot.track(recording, radium=3), evcot.ConfigError, "cot_motion.radium: no such setting: must be one of"),
-        (lambda: evcot.track(recording, "rct", radius_px=-1.0), evcot.ConfigError, "rct.radius_px = -1.0: must be from "),
-        (
-            lambda: evcot.track(recording, "cot_array", "davis346", init_radix=3),
-            evcot.ConfigError,
-            "engine cot_array with preset davis346: no single setting can be changed: its slots have registers of their own",
-        ),
-        (
-            lambda: evcot.track(recording, "cot_array", settings=RCT["plain"]),
-            evcot.ConfigError,
-            "settings of type RctConfig: must be RunConfig with engine cot_array",
-        ),
-        (
-            lambda: evcot.track(recording, "rct", "plain", settings=RCT["plain"]),
-            evcot.ConfigError,
-            "settings: must not be given with preset or config",
-        ),
-        (
-            lambda: evcot.track(tmp_path / "none.raw"),
-            evcot.RecordingError,
-            f"{tmp_path}/none.raw: cannot be read: No such file",
-        ),
-        (lambda: evcot.filter(recording, refractory=3), evcot.ConfigError, "filters.refractory: no such setting"),
-        (lambda: evcot.simulate("disks"), evcot.ConfigError, "scene 'disks': must be one of boxes,"),
-        (lambda: evcot.run_config(346, 260, "none"), evcot.ConfigError, "preset 'none': must be one of motion, slow,"),
-        (
-            lambda: evcot.evaluate(evcot.TrackLog.empty("rct"), evcot.GroundTruth(np.empty(0, np.int64), np.empty(0), ())),
-            evcot.ConfigError,
-            "rule: must be given with a truth that was read already",
-        ),
-    ):
-        with pytest.raises(error) as caught:
+        (lambda: evcot.track(recording, "rtc"), config, "engine rtc: must be one of cot_motion, cot_array,"),
+        (lambda: evcot.track(recording, "rct", "cars"), config, "preset cars: must be one of plain"),
+        (lambda: evcot.track(recording, radium=3), config, "cot_motion.radium: no such setting: must be one of"),
+        (lambda: evcot.track(recording, "rct", radius_px=-1.0), config, "rct.radius_px = -1.0: must be from "),
+        (lambda: evcot.track(recording, "cot_array", "davis346", init_radix=3), config,
+         "engine cot_array with preset davis346: no single setting can be changed: its slots have registers of their own"),
+        (lambda: evcot.track(recording, "cot_array", settings=RCT["plain"]), config,
+         "settings of type RctConfig: must be RunConfig with engine cot_array"),
+        (lambda: evcot.track(recording, "rct", "plain", settings=RCT["plain"]), config,
+         "settings: must not be given with preset or config"),
+        (lambda: evcot.track(tmp_path / "none.raw"), evcot.RecordingError, f"{tmp_path}/none.raw: cannot be read: No such"),
+        (lambda: evcot.filter(recording, refractory=3), config, "filters.refractory: no such setting"),
+        (lambda: evcot.simulate("disks"), config, "scene 'disks': must be one of boxes,"),
+        (lambda: evcot.run_config(346, 260, "none"), config, "preset 'none': must be one of motion, slow,"),
+        (lambda: evcot.evaluate(evcot.TrackLog.empty("rct"), nothing), config,
+         "rule: must be given with a truth that was read already"),
+    ):  # fmt: skip
+        with refused(error, start=message):
             make()
-        assert str(caught.value).startswith(message)
-        assert "\n" not in str(caught.value)
 
 
 def test_no_setting_has_the_name_of_an_argument_of_track() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot.toml_file import BYTES_MAX, KEY_PARTS_MAX, read_toml
+from support.refusals import refused
 
 REFUSED = {
     "brackets": ("a = " + "[" * 100_000, "is nested too deeply: must have fewer brackets within brackets"),
@@ -26,9 +27,8 @@ REFUSED = {
 def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
     content, message = REFUSED[case]
     (tmp_path / "a.toml").write_text(content)
-    with pytest.raises(ConfigError) as caught:
+    with refused(ConfigError, message):
         read_toml(tmp_path / "a.toml")
-    assert str(caught.value) == message
 
 
 def test_bytes_that_are_no_text_and_missing_files(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ import pytest
 from evcot.errors import OutputError, RecordingError
 from evcot.events import Events
 from evcot.unfinished import Unfinished, unfinished
+from support.refusals import refused
 
 
 class Ended(BaseException):
@@ -41,6 +42,12 @@ def ends(path: Path, does: Callable[[Unfinished], object], error: BaseException,
 def found(path: Path, key: str = "key") -> dict[str, object] | None:
     with unfinished(path, lambda: key) as work:
         return work.state
+
+
+def full_disk(errno_of: int) -> OutputError:
+    error = OutputError("x.parquet: cannot be written: No space left on device")
+    error.__cause__ = OSError(errno_of, os.strerror(errno_of))
+    return error
 
 
 def test_a_state_comes_back_once_and_for_its_own_work_alone(tmp_path: Path) -> None:
@@ -77,56 +84,40 @@ def test_a_link_in_its_place_is_not_followed(tmp_path: Path) -> None:
 
 
 def test_nothing_is_left_of_work_that_fails_or_has_no_checkpoint(tmp_path: Path) -> None:
-    for error in (ValueError(), Ended()):
-        ends(tmp_path / "new" / "log", lambda work: (work.folder / "data").write_bytes(b"1"), error)
+    def writes(work: Unfinished) -> None:
+        (work.folder / "data").write_bytes(b"1")
+
+    for error in (ValueError(), Ended(), full_disk(errno.ENOSPC)):
+        ends(tmp_path / "new" / "log", writes, error)
         assert list(tmp_path.iterdir()) == []
-    ends(tmp_path / "log", lambda work: work.save({"count": 1}), ValueError())
-    assert found(tmp_path / "log") is None
+    for error in (ValueError(), RecordingError("x.raw: is damaged")):
+        ends(tmp_path / "log", lambda work: work.save({"count": 1}), error)
+        assert list(tmp_path.iterdir()) == []
 
 
-def full_disk(errno_of: int) -> OutputError:
-    error = OutputError("x.parquet: cannot be written: No space left on device")
-    error.__cause__ = OSError(errno_of, os.strerror(errno_of))
-    return error
-
-
-def saves_and_fails(path: Path, error: Exception) -> None:
-    with unfinished(path, lambda: "key") as work:
-        work.save({"count": 7})
-        raise error
-
-
-def test_a_full_disk_leaves_the_checkpoint_and_says_how_to_go_on(tmp_path: Path) -> None:
-    for error in (
-        full_disk(errno.ENOSPC),
-        full_disk(errno.EDQUOT),
-        OSError(errno.ENOSPC, "No space left on device", "x.parquet"),
-    ):
-        with pytest.raises(OutputError) as said:
-            saves_and_fails(tmp_path / "log", error)
-        assert str(said.value) == (
-            "x.parquet: cannot be written: No space left on device; free some space and give the same command again: "
-            f"it goes on from its last checkpoint (kept in {tmp_path / '.log.unfinished'})"
-        )
-        assert found(tmp_path / "log") == {"count": 7}
+_FULL = "x.parquet: cannot be written: No space left on device"
 
 
 @pytest.mark.parametrize(
-    ("error", "says"),
+    ("error", "says", "do"),
     [
-        (OutputError("run: holds mine.txt, which evcot did not write"), "run: holds mine.txt, which evcot did not write"),
-        (OSError(errno.EFBIG, "File too large", "x.owner"), "x.owner: cannot be written: File too large"),
-        (OSError("0 written"), "a file: cannot be written: 0 written"),
-        (OSError(), "a file: cannot be written: OSError"),
+        (full_disk(errno.ENOSPC), _FULL, "free some space"),
+        (full_disk(errno.EDQUOT), _FULL, "free some space"),
+        (OSError(errno.ENOSPC, "No space left on device", "x.parquet"), _FULL, "free some space"),
+        (OutputError("run: holds mine.txt, which evcot did not write"), "run: holds mine.txt, which evcot did not write", ""),
+        (OSError(errno.EFBIG, "File too large", "x.owner"), "x.owner: cannot be written: File too large", ""),
+        (OSError("0 written"), "a file: cannot be written: 0 written", ""),
+        (OSError(), "a file: cannot be written: OSError", ""),
     ],
 )
-def test_a_file_that_cannot_be_written_leaves_the_checkpoint(error: OSError, says: str, tmp_path: Path) -> None:
-    with pytest.raises(OutputError) as said:
-        saves_and_fails(tmp_path / "log", error)
-    assert str(said.value) == (
-        f"{says}; remove the cause and give the same command again: it goes on from its last checkpoint "
+def test_a_file_that_cannot_be_written_leaves_the_checkpoint(error: OSError, says: str, do: str, tmp_path: Path) -> None:
+    told = (
+        f"{says}; {do or 'remove the cause'} and give the same command again: it goes on from its last checkpoint "
         f"(kept in {tmp_path / '.log.unfinished'})"
     )
+    with refused(OutputError, told), unfinished(tmp_path / "log", lambda: "key") as work:
+        work.save({"count": 7})
+        raise error
     assert found(tmp_path / "log") == {"count": 7}
 
 
@@ -143,28 +134,15 @@ def test_a_checkpoint_that_cannot_be_written_is_named(tmp_path: Path, monkeypatc
     assert found(tmp_path / "log") == {"count": 7}
 
 
-def test_of_another_error_or_without_a_checkpoint_nothing_is_left(tmp_path: Path) -> None:
-    ends(tmp_path / "log", lambda work: work.save({"count": 7}), RecordingError("x.raw: is damaged"))
-    assert list(tmp_path.iterdir()) == []
-    ends(tmp_path / "log", lambda work: (work.folder / "data").write_bytes(b"1"), full_disk(errno.ENOSPC))
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_damaged_checkpoint_is_not_used(tmp_path: Path) -> None:
+def test_a_damaged_checkpoint_is_not_used_nor_one_of_another_process(tmp_path: Path) -> None:
     left(tmp_path / "log", count=7)
     file = tmp_path / ".log.unfinished" / "checkpoint"
     stored = bytearray(file.read_bytes())
     stored[-2] ^= 1
     file.write_bytes(stored)
     assert found(tmp_path / "log") is None
-
-
-def test_two_processes_do_not_share_a_folder(tmp_path: Path) -> None:
-    with (
-        unfinished(tmp_path / "log", lambda: "key"),
-        pytest.raises(OutputError, match="is being written by another process"),
-        unfinished(tmp_path / "log", lambda: "key"),
-    ):
+    taken = pytest.raises(OutputError, match="is being written by another process")
+    with unfinished(tmp_path / "log", lambda: "key"), taken, unfinished(tmp_path / "log", lambda: "key"):
         pass
 
 

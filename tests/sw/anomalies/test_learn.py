@@ -50,13 +50,10 @@ def scored(*alarms: NDArray[np.void]) -> tuple[dict[str, int], dict[str, int], d
     return scores.found, scores.false_alarms, scores.seconds_to_alarm
 
 
-def test_an_alarm_of_the_kind_at_the_object_in_time_finds_it() -> None:
+def test_an_alarm_of_the_kind_at_the_object_in_time_finds_it_and_of_another_is_not_false() -> None:
     found, false, seconds = scored(alarm(2_700_000, Anomaly.WRONG_WAY, 55, 60), alarm(3_000_000, Anomaly.WRONG_WAY, 55, 60))
     assert (found, false) == ({"stopping": 0, "wrong_way": 1}, {})
     assert seconds["wrong_way"] == [pytest.approx(0.7)]
-
-
-def test_another_kind_on_it_finds_nothing_and_is_not_false() -> None:
     assert scored(alarm(2_700_000, Anomaly.PLACE, 55, 60))[:2] == ({"stopping": 0, "wrong_way": 0}, {})
 
 
@@ -185,12 +182,9 @@ def test_the_smallest_sensor_is_taken_where_none_is_given() -> None:
 
 
 @pytest.mark.parametrize("tracks", [[], [track(1, 0, 100_000, still(50, 50))]])
-def test_nothing_can_be_learned_of_nothing(tracks: list[np.ndarray]) -> None:
+def test_nothing_can_be_learned_of_nothing_or_of_what_no_engine_writes(tracks: list[np.ndarray]) -> None:
     with pytest.raises(ConfigError, match="learning: no track in the logs is long enough"):
         learn([log(*tracks)], SENSOR)
-
-
-def test_a_log_that_no_engine_writes_is_refused() -> None:
     bad = log(*traffic(3))
     bad.records["y"][7] = np.inf
     with pytest.raises(TrackLogError, match="record 7: y = inf"):

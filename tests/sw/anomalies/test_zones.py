@@ -23,21 +23,12 @@ def test_a_polygon_holds_its_inside_and_its_border_and_nothing_else() -> None:
     held = inside(SQUARE, x, y)
     np.testing.assert_array_equal(held, (x >= 2) & (x <= 6) & (y >= 2) & (y <= 6))
     np.testing.assert_array_equal(inside(SQUARE[::-1], x, y), held)  # either way round
-
-
-def test_a_polygon_that_is_not_convex() -> None:
     assert inside(DART, [4, 4, 5, 7, 6, 4, 8], [1, 2, 2, 1, 1, 3, 8]).tolist() == [True, True, False, False, True, True, True]
-
-
-def test_a_ray_through_a_corner_counts_once() -> None:
-    """Points level with the left and right corners of a diamond."""
-    diamond = [[4, 0], [8, 4], [4, 8], [0, 4]]
+    # Points level with the left and right corners of a diamond: a ray through a corner counts once.
+    diamond, wedge = [[4, 0], [8, 4], [4, 8], [0, 4]], [[0, 0], [8, 4], [0, 8]]
     assert inside(diamond, [-1, 0, 1, 4, 8, 9], [4] * 6).tolist() == [False, True, True, True, True, False]
-
-
-def test_half_pixels_next_to_a_slanted_border_are_told_apart() -> None:
-    wedge = [[0, 0], [8, 4], [0, 8]]
-    assert inside(wedge, [4, 4.5, 4], [2, 2, 1.5]).tolist() == [True, False, False]
+    assert inside(wedge, [4, 4.5, 4], [2, 2, 1.5]).tolist() == [True, False, False], "half pixels next to a slanted border"
+    assert inside(SQUARE, [], []).shape == (0,)
 
 
 def test_polygons_against_a_count_of_windings() -> None:
@@ -61,14 +52,17 @@ def test_polygons_against_a_count_of_windings() -> None:
 
 def test_crossings_have_a_direction_and_the_line_itself_is_on_its_left() -> None:
     """A line that points to the right of the picture has the lower part of the picture on its right side."""
-    line = [0, 5, 10, 5]
-    assert crossings(line, [3, 3], [4, 6]).tolist() == [1]
-    assert crossings(line, [3, 3], [6, 4]).tolist() == [-1]
-    assert crossings(line, [3, 3, 3], [4, 5, 6]).tolist() == [0, 1]
-    assert crossings(line, [3, 3, 3], [6, 5, 4]).tolist() == [-1, 0]
-    assert crossings(line, [3, 3, 3], [4, 5, 4]).tolist() == [0, 0]
-    assert crossings(line, [12, 12], [4, 6]).tolist() == [0]
-    assert crossings(line, [1, 8], [4, 4]).tolist() == [0]
+    for x, y, expected in (
+        ([3, 3], [4, 6], [1]),
+        ([3, 3], [6, 4], [-1]),
+        ([3, 3, 3], [4, 5, 6], [0, 1]),
+        ([3, 3, 3], [6, 5, 4], [-1, 0]),
+        ([3, 3, 3], [4, 5, 4], [0, 0]),
+        ([12, 12], [4, 6], [0]),
+        ([1, 8], [4, 4], [0]),
+        ([], [], []),
+    ):
+        assert crossings([0, 5, 10, 5], x, y).tolist() == expected
 
 
 def test_a_step_through_the_joint_of_two_lines_crosses_one_of_them() -> None:
@@ -76,11 +70,6 @@ def test_a_step_through_the_joint_of_two_lines_crosses_one_of_them() -> None:
         for x, y in (([4, 4], [0, 9]), ([2, 6], [0, 10]), ([6, 2], [0, 10])):
             assert sum(crossings(line, x, y)[0] for line in joint) == 1
             assert sum(crossings(line, x[::-1], y[::-1])[0] for line in joint) == -1
-
-
-def test_nothing_is_in_nothing() -> None:
-    assert inside(SQUARE, [], []).shape == (0,)
-    assert crossings([0, 0, 1, 1], [], []).shape == (0,)
 
 
 DOCS = Path(__file__).parents[3] / "docs" / "anomalies.md"

@@ -134,25 +134,18 @@ def frames_of(truth: GroundTruth, places: Sequence[tuple[float, float]], rule: R
     return lined_up(log, truth, rule)[0]
 
 
-def test_similarity_falls_from_the_centre_to_half_a_diagonal_away() -> None:
-    truth = truth_of((0, 0, 50.0, 50.0, 6.0, 8.0, True))
-    frames = frames_of(truth, [(50, 50), (52, 50), (50, 55), (90, 50)])
-    np.testing.assert_allclose(frames.similarity[0], [[1.0, 0.6, 0.0, 0.0]])
-
-
 IOU = Rule(RULE.columns, similarity="iou")
 
 
-def test_overlap_of_box_and_track() -> None:
-    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
-    frames = frames_of(truth, [(50, 50), (55, 60), (60, 50)], IOU)
-    np.testing.assert_allclose(frames.similarity[0], [[100 / 200, 25 / 275, 0.0]])
-
-
-def test_the_overlap_is_that_of_the_objects_own_width_and_height() -> None:
-    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
-    np.testing.assert_allclose(frames_of(truth, [(50, 50)], IOU, width=10.0, height=20.0).similarity[0], [[1.0]])
-    np.testing.assert_allclose(frames_of(truth, [(50, 50)], IOU, width=20.0, height=10.0).similarity[0], [[100 / 300]])
+def test_similarity_is_overlap_or_falls_from_the_centre_to_half_a_diagonal_away() -> None:
+    small, box = truth_of((0, 0, 50.0, 50.0, 6.0, 8.0, True)), truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
+    for truth, places, rule, sides, expected in (
+        (small, [(50, 50), (52, 50), (50, 55), (90, 50)], RULE, {}, [1.0, 0.6, 0.0, 0.0]),
+        (box, [(50, 50), (55, 60), (60, 50)], IOU, {}, [100 / 200, 25 / 275, 0.0]),
+        (box, [(50, 50)], IOU, {"width": 10.0, "height": 20.0}, [1.0]),
+        (box, [(50, 50)], IOU, {"width": 20.0, "height": 10.0}, [100 / 300]),
+    ):
+        np.testing.assert_allclose(frames_of(truth, places, rule, **sides).similarity[0], [expected])
 
 
 def test_of_a_turned_box_the_upright_rectangle_around_it_overlaps() -> None:

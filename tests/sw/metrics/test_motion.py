@@ -55,13 +55,9 @@ def test_a_track_on_its_object_has_no_errors() -> None:
 
 
 def test_a_track_beside_its_object_is_off_in_place_alone() -> None:
-    found = measured(track(dx=2.0))
+    found, objects = measured(track(dx=2.0)), objects_at(INSTANTS_US)
     assert found.position_error_px_median == pytest.approx(2.0)
     assert found.velocity_error_median == pytest.approx(measured(track()).velocity_error_median)
-
-
-def test_a_quantile_of_places() -> None:
-    objects = objects_at(INSTANTS_US)
     objects["x"] += np.where(np.arange(len(objects)) % 4 == 0, 8.0, 1.0)
     found = measured(track(), objects)
     assert (found.position_error_px_median, found.position_error_px_p90) == pytest.approx((1.0, 8.0))
@@ -72,11 +68,8 @@ def test_lateness_is_found_and_has_its_sign(late_ms: int) -> None:
     assert measured(track(late_us=1_000 * late_ms)).latency_ms == late_ms
 
 
-def test_lateness_outside_the_range_is_none() -> None:
+def test_what_stands_still_or_is_out_of_range_has_no_lateness() -> None:
     assert measured(track(late_us=150_000)).latency_ms is None
-
-
-def test_what_stands_still_has_no_lateness() -> None:
     log, objects = track(), objects_at(INSTANTS_US)
     for axis in "xy":
         log.records[axis], objects[axis] = 5.0, 5.5

@@ -76,7 +76,7 @@ def test_a_track_that_merges_in_the_moment_of_its_birth_is_none_that_anybody_see
     assert found.tracks_per_alive == pytest.approx(2)
 
 
-def test_a_brief_track_that_travels_or_is_still_alive_is_not_short() -> None:
+def test_a_brief_track_that_travels_or_is_still_alive_is_not_short_and_one_that_began_before_not_found_again() -> None:
     end_us = 10 * SECOND
     log = log_of(
         [
@@ -87,6 +87,9 @@ def test_a_brief_track_that_travels_or_is_still_alive_is_not_short() -> None:
     )  # fmt: skip
     found = quality_of(log, events_at([0, end_us]), np.zeros(2, np.bool_))
     assert (found.tracks, found.short) == (2, 0)
+    log = log_of([record(Kind.MOVED, 0, SECOND), record(Kind.LOST, 0, 2 * SECOND)], [0] * 2)
+    found = quality_of(log, events_at([0, 10 * SECOND]), np.zeros(2, np.bool_))
+    assert (found.tracks, found.found_again) == (1, 0)
 
 
 @pytest.mark.parametrize("cut", [None, 1, 2, 4])
@@ -110,12 +113,6 @@ def test_a_track_that_is_found_again_counts_once_whole_or_in_parts(cut: int | No
     assert (found.tracks, found.found_again, found.lives) == (2, 2, 4)
     assert found.alive_mean == pytest.approx(1.0)
     assert found.tracks_per_alive == pytest.approx(2.0)
-
-
-def test_a_log_that_begins_in_the_middle_of_a_life_has_nothing_found_again() -> None:
-    log = log_of([record(Kind.MOVED, 0, SECOND), record(Kind.LOST, 0, 2 * SECOND)], [0] * 2)
-    found = quality_of(log, events_at([0, 10 * SECOND]), np.zeros(2, np.bool_))
-    assert (found.tracks, found.found_again) == (1, 0)
 
 
 def test_events_belong_to_a_track_only_while_it_lasts_and_is_visible() -> None:

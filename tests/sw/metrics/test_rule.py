@@ -97,16 +97,13 @@ def test_columns_say_one_thing(columns: dict[str, str], rule: str) -> None:
     assert str(caught.value).endswith(f": must have {rule}")
 
 
-def test_velocity_needs_both_axes() -> None:
-    with pytest.raises(ConfigError, match=r"^columns vx, vy: must be given both, or neither$"):
-        Rule({**BOXES, "vx": "vx"})
-
-
-def test_points_need_a_reach_and_have_no_area() -> None:
+def test_points_need_a_reach_and_have_no_area_and_velocity_needs_both_axes() -> None:
     with pytest.raises(ConfigError, match=r"^reach_px = None: must be from 0.01 to 1e\+06 "):
         Rule(POINTS)
-    with pytest.raises(ConfigError, match=r"^columns x, y: points must have similarity 'centre' and no clip$"):
+    with refused(ConfigError, "columns x, y: points must have similarity 'centre' and no clip"):
         Rule(POINTS, reach_px=5.0, similarity="iou")
+    with refused(ConfigError, "columns vx, vy: must be given both, or neither"):
+        Rule({**BOXES, "vx": "vx"})
 
 
 @pytest.mark.parametrize(
@@ -151,12 +148,9 @@ def test_a_state_may_be_just_so_old_and_the_track_comes_back_with_its_next(log: 
     assert got == [[(7, 1.0), (9, 5.0)], [(9, 5.0)], [(7, 2.0)], [], [], [(7, 3.0)], [(7, 3.0)], []]
 
 
-def test_a_state_that_follows_at_the_very_end_of_the_age_goes_on(log: TrackLog) -> None:
+def test_a_state_that_follows_at_the_very_end_of_the_age_goes_on_and_the_last_gets_old_too(log: TrackLog) -> None:
     assert seen(expiring(log, 29), 129, 130) == [[(7, 1.0), (9, 5.0)], [(7, 2.0), (9, 5.0)]]
     assert seen(expiring(log, 30), 130, 131) == [[(7, 2.0), (9, 5.0)], [(7, 2.0), (9, 5.0)]]
-
-
-def test_the_last_state_of_an_open_track_gets_old_too() -> None:
     assert seen(expiring(logged((0, 1, BORN, 4.0, 4.0)), 60), 60, 61) == [[(1, 4.0)], []]
 
 
@@ -166,6 +160,8 @@ def test_places_of_tracks_at_any_times(log: TrackLog) -> None:
     np.testing.assert_array_equal(x, [[np.nan, 1.0], [np.nan, 5.0], [3.0, np.nan], [np.nan, np.nan]])
     np.testing.assert_array_equal(y, 10 * x)
     assert positions(log, ids[:0], times_us[:0])[0].shape == (0, 2)
+    x, _ = positions(logged((5, 1, BORN, 4.0, 4.0)), np.array([1]), np.array([[4, 5, 10**9]]))
+    np.testing.assert_array_equal(x, [[np.nan, 4.0, 4.0]])
 
 
 def test_an_empty_log_has_no_outputs() -> None:
@@ -192,11 +188,6 @@ def test_a_record_that_no_engine_writes_is_refused(log: TrackLog, field: str, va
     log.records[field][1] = value
     with refused(TrackLogError, message):
         checked(log)
-
-
-def test_an_open_track_is_nowhere_before_its_birth() -> None:
-    x, _ = positions(logged((5, 1, BORN, 4.0, 4.0)), np.array([1]), np.array([[4, 5, 10**9]]))
-    np.testing.assert_array_equal(x, [[np.nan, 4.0, 4.0]])
 
 
 def busy(seed: int) -> TrackLog:

@@ -38,15 +38,12 @@ def test_boxes_become_centres_at_instants(tmp_path: Path) -> None:
     assert truth.objects["counted"].all()
 
 
-def test_a_camera_that_began_earlier_moves_the_truth(tmp_path: Path) -> None:
-    truth = read_truth(written(tmp_path, "0,100,a,0,0,1,1"), replace(RULE, origin_us=1_718_925_184_590_631))
-    np.testing.assert_array_equal(truth.instants_us, [1_718_925_184_590_721])
-
-
-def test_boxes_are_clipped_to_the_sensor(tmp_path: Path) -> None:
+def test_boxes_are_clipped_to_the_sensor_and_moved_to_the_camera_s_clock(tmp_path: Path) -> None:
     path = written(tmp_path, "0,100,a,-10,250,20,20", "0,100,b,400,0,5,5")
-    objects = read_truth(path, replace(RULE, clip=True, edge_px=0.0, sensor=(346, 260))).objects
-    assert objects[["object", "x", "y", "width", "height"]].tolist() == [(0, 5.0, 255.0, 10.0, 10.0)]
+    rule = replace(RULE, clip=True, edge_px=0.0, sensor=(346, 260), origin_us=1_718_925_184_590_631)
+    truth = read_truth(path, rule)
+    assert truth.objects[["object", "x", "y", "width", "height"]].tolist() == [(0, 5.0, 255.0, 10.0, 10.0)]
+    np.testing.assert_array_equal(truth.instants_us, [1_718_925_184_590_721])
 
 
 def test_a_point_is_a_square_of_its_reach(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +14,7 @@ from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.scenes import BoxExperiment, Scene, simulate
 from evcot.scenes.truth import Box
+from support.refusals import refused
 
 DEFAULT = BoxExperiment()
 NOISELESS = replace(DEFAULT, noise_hz_per_px=0.0, flicker_hz_per_px=0.0)
@@ -38,12 +38,6 @@ def depth(box: Box, events: Events) -> NDArray[np.float64]:
     return np.minimum(box.width / 2 - abs(events.x - x), box.height / 2 - abs(events.y - y))
 
 
-def digest(scene: Scene) -> str:
-    events = scene.recording.events
-    parts: tuple[NDArray[Any], ...] = (events.t_us, events.x, events.y, events.p, scene.truth.samples)
-    return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
-
-
 def lane_of(events: Events, lane: int, config: BoxExperiment = DEFAULT) -> Events:
     low, high = (config.height * edge / 6 - 0.5 for edge in (lane, lane + 1))
     mask = (events.y >= low) & (events.y < high)
@@ -63,16 +57,11 @@ def test_events_are_a_recording_in_time_order_on_the_sensor(config: BoxExperimen
     assert [field.dtype for field in (events.t_us, events.x, events.y, events.p)] == [np.int64, np.uint16, np.uint16, np.uint8]
 
 
-def test_the_default_scene_has_about_half_a_million_events_of_both_polarities(default_scene: Scene) -> None:
-    events = default_scene.recording.events
+def test_another_seed_gives_other_events_of_the_same_truth(default_scene: Scene) -> None:
+    events, other = default_scene.recording.events, simulate(replace(DEFAULT, seed=2))
     assert 400_000 < len(events) < 600_000
     assert 0.4 < events.p.mean() < 0.6
-
-
-def test_equal_settings_give_equal_bytes_and_another_seed_other_events(default_scene: Scene) -> None:
-    again, other = simulate(BoxExperiment()), simulate(replace(DEFAULT, seed=2))
-    assert digest(again) == digest(default_scene)
-    assert digest(other) != digest(default_scene)
+    assert not np.array_equal(events.t_us, other.recording.events.t_us)
     np.testing.assert_array_equal(other.truth.samples, default_scene.truth.samples)
     assert (default_scene.seed, other.seed) == (1, 2)
 
@@ -247,40 +236,29 @@ def test_in_every_situation_the_boxes_stay_where_they_should(width: int, height:
 
 def test_truth_is_sampled_by_time_and_object(default_scene: Scene) -> None:
     samples = default_scene.truth.samples
-    assert len(samples) == 2_500 * 9
     np.testing.assert_array_equal(samples["t_us"], np.repeat(np.arange(0, 2_500_000, 1_000), 9))
     np.testing.assert_array_equal(samples["object_id"], np.tile(np.arange(9), 2_500))
     for number, box in enumerate(default_scene.truth.boxes):
         mine = samples[samples["object_id"] == number]
-        x, y = box.centre(mine["t_us"])
-        np.testing.assert_array_equal(mine["x"], x)
-        np.testing.assert_array_equal(mine["y"], y)
-        assert set(mine["width"]) == {box.width}
-
-
-def test_a_chosen_side_is_used() -> None:
+        np.testing.assert_array_equal([mine["x"], mine["y"]], box.centre(mine["t_us"]))
+        assert set(mine["width"]) == {box.width} == {12.0}
     assert {box.width for box in BoxExperiment(side_px=30.0).boxes} == {30.0}
-    assert {box.width for box in DEFAULT.boxes} == {12.0}
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"width": 63}, "boxes.width = 63: must be from 64 to 4096 (pixels of the sensor across)"),
-        ({"height": 64.0}, "boxes.height = 64.0: must be from 64 to 4096 (pixels of the sensor down)"),
-        ({"duration_us": 0}, "boxes.duration_us = 0: must be from 1000 to 1000000000 (length of the scene)"),
-        (
-            {"noise_hz_per_px": -0.1},
-            "boxes.noise_hz_per_px = -0.1: must be from 0 to 1000 (background events per pixel and second)",
-        ),
-        ({"slow_px_s": float("nan")}, "boxes.slow_px_s = nan: must be from 1 to 10000 (speed of a slow box)"),
-        ({"seed": True}, "boxes.seed = True: must be from 0 to 9223372036854775807 (seed of all noise)"),
-        ({"speed": "warp"}, "boxes.speed = 'warp': must be one of slow, fast, both"),
-        ({"side_px": 44.0}, "boxes.side_px = 44: must be 0, or from 1 to a lane's 43.3 pixels"),
-        ({"side_px": 0.5}, "boxes.side_px = 0.5: must be 0, or from 1 to a lane's 43.3 pixels"),
+        ({"width": 63}, "width = 63: must be from 64 to 4096 (pixels of the sensor across)"),
+        ({"height": 64.0}, "height = 64.0: must be from 64 to 4096 (pixels of the sensor down)"),
+        ({"duration_us": 0}, "duration_us = 0: must be from 1000 to 1000000000 (length of the scene)"),
+        ({"noise_hz_per_px": -0.1}, "noise_hz_per_px = -0.1: must be from 0 to 1000 (background events per pixel and second)"),
+        ({"slow_px_s": float("nan")}, "slow_px_s = nan: must be from 1 to 10000 (speed of a slow box)"),
+        ({"seed": True}, "seed = True: must be from 0 to 9223372036854775807 (seed of all noise)"),
+        ({"speed": "warp"}, "speed = 'warp': must be one of slow, fast, both"),
+        ({"side_px": 44.0}, "side_px = 44: must be 0, or from 1 to a lane's 43.3 pixels"),
+        ({"side_px": 0.5}, "side_px = 0.5: must be 0, or from 1 to a lane's 43.3 pixels"),
     ],
 )
 def test_settings_outside_their_range_are_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(ConfigError) as caught:
+    with refused(ConfigError, f"boxes.{message}"):
         replace(DEFAULT, **change)
-    assert str(caught.value) == message

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
 from evcot.events import Events
+from evcot.scenes._order import KEY_T_SHIFT, events_of
 from evcot.scenes._pixel_kernel import levels_of
 from evcot.scenes.pixel import PixelCamera, PixelModel
+from support.refusals import refused
 
 IDEAL = PixelModel(on_threshold=0.2, off_threshold=0.25)
 SEED = 5
@@ -232,39 +234,61 @@ def test_noise_does_not_depend_on_how_time_is_cut() -> None:
     ],
 )
 def test_a_model_outside_its_range_is_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(ConfigError) as caught:
+    with refused(ConfigError, start=message):
         replace(IDEAL, **change)
-    assert str(caught.value).startswith(message)
 
 
 def test_frames_and_times_that_make_no_sense_are_refused() -> None:
-    camera = PixelCamera(IDEAL, 4, 3, SEED)
-    frame = np.zeros((3, 4))
+    camera, frame = PixelCamera(IDEAL, 4, 3, SEED), np.zeros((3, 4))
     camera.step(frame, 10)
-
-    def refused(message: str, frame: Any, t_us: int, changed: Any = None) -> None:
-        with pytest.raises(ConfigError) as caught:
-            camera.step(frame, t_us, changed)
-        assert str(caught.value) == message
-
-    refused("frame: float64 (4, 3): must be float64 (3, 4)", np.zeros((4, 3)), 20)
-    refused("frame: float32 (3, 4): must be float64 (3, 4)", np.zeros((3, 4), np.float32), 20)
-    refused("t_us = 10: must be from 1 to 1073741824 us after the last frame's 10", frame, 10)
-    refused("changed: must lie within the sensor's 4x3 pixels", frame, 20, np.array([[0, 0, 5, 3]]))
-    for value in (np.nan, np.inf, -np.inf, 101.0):
-        broken = frame.copy()
+    for message, wrong, t_us, changed in (
+        ("frame: float64 (4, 3): must be float64 (3, 4)", np.zeros((4, 3)), 20, None),
+        ("frame: float32 (3, 4): must be float64 (3, 4)", np.zeros((3, 4), np.float32), 20, None),
+        ("t_us = 10: must be from 1 to 1073741824 us after the last frame's 10", frame, 10, None),
+        ("changed: must lie within the sensor's 4x3 pixels", frame, 20, np.array([[0, 0, 5, 3]])),
+    ):
+        with refused(ConfigError, message):
+            camera.step(wrong, t_us, changed)
+    values: tuple[tuple[bool, float], ...] = (
+        *((False, value) for value in (np.nan, np.inf, -np.inf, 101.0)),
+        *((True, value) for value in (0.0, -1.0, np.nan, np.inf)),
+    )  # fmt: skip
+    for linear, value in values:
+        broken = np.full((3, 4), float(linear))
         broken[2, 1] = value
-        refused(f"frame: log intensity {value:g} at (1, 2): must be from -100 to 100", broken, 20)
-        with pytest.raises(ConfigError, match=r"at \(1, 2\)"):
-            PixelCamera(IDEAL, 4, 3, SEED).step(broken, 0)
-    for value in (0.0, -1.0, np.nan, np.inf):
-        dark = np.ones((3, 4))
-        dark[2, 1] = value
-        linear = PixelCamera(IDEAL, 4, 3, SEED, linear=True)
-        with pytest.raises(ConfigError, match=r"frame: log intensity .* at \(1, 2\): must be from -100 to 100"):
-            linear.step(dark, 0)
-        linear.step(np.ones((3, 4)), 0)
-        with pytest.raises(ConfigError, match=r"at \(1, 2\)"):
-            linear.step(dark, 10)
+        started = PixelCamera(IDEAL, 4, 3, SEED, linear=linear)
+        told = rf"^frame: log intensity {'.*' if linear else f'{value:g}'} at \(1, 2\): must be from -100 to 100$"
+        with pytest.raises(ConfigError, match=told):
+            started.step(broken, 0)
+        started.step(np.full((3, 4), float(linear)), 0)
+        with pytest.raises(ConfigError, match=told):
+            started.step(broken, 10)
     with pytest.raises(ConfigError, match="hot_pixels = 13: must be at most the sensor's 12 pixels"):
         PixelCamera(replace(IDEAL, hot_pixels=13), 4, 3, SEED)
+
+
+def keys_of(count: int, span_us: int, side: int, seed: int) -> np.ndarray:
+    random = np.random.default_rng(seed)
+    t_us, x, y, p = (random.integers(0, high, count) for high in (span_us, side, side, 2))
+    return 1_000 + t_us << KEY_T_SHIFT | x << 17 | y << 1 | p
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 20_000])
+@pytest.mark.parametrize("span_us", [1, 50, 3_000, 2**30 - 1_000])
+@pytest.mark.parametrize("side", [2, 65_536])
+def test_events_come_by_time_then_x_then_y_then_polarity(count: int, span_us: int, side: int) -> None:
+    """Few or many, of one microsecond or of 18 minutes, with equals among them."""
+    keys = keys_of(count, span_us, side, seed=count)
+    given = keys.copy()
+    events = events_of(keys, 2**30)
+    ordered = np.sort(keys)
+    np.testing.assert_array_equal(events.t_us, ordered >> KEY_T_SHIFT)
+    np.testing.assert_array_equal(events.x, ordered >> 17 & 0xFFFF)
+    np.testing.assert_array_equal(events.y, ordered >> 1 & 0xFFFF)
+    np.testing.assert_array_equal(events.p, ordered & 1)
+    np.testing.assert_array_equal(keys, given)
+
+
+def test_events_at_the_end_or_later_are_left_out() -> None:
+    keys = np.array([[t << KEY_T_SHIFT | x << 17 for x in range(300)] for t in (7, 9, 10, 11)]).ravel()
+    assert np.unique(events_of(keys, 10).t_us).tolist() == [7, 9]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Statistics of events made by hand, and of the highway against a real one."""
+"""Statistics of events made by hand, and of the highway against a real one; snapshots of recordings side by side."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from evcot.events import Events, Recording
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes import simulate_scene
+from evcot.scenes.snapshot import main as draw_snapshots
+from evcot.scenes.snapshot import snapshot
 from evcot.scenes.statistics import main, statistics, table
 from shared import SHARED
 
@@ -70,3 +73,34 @@ def test_the_highway_is_of_the_real_ones_order() -> None:
         assert 0.5 <= np.quantile(ours.pixel_hz, part) / np.quantile(real.pixel_hz, part) <= 2
     for part in (0.1, 0.25, 0.5, 0.75, 0.9):
         assert 0.2 < np.quantile(ours.intervals_us, part) / np.quantile(real.intervals_us, part) < 5
+
+
+RED, BLUE, WHITE = (200, 60, 0), (0, 90, 180), (255, 255, 255)
+
+
+def six_pixels() -> Recording:
+    rows = np.array([(0, 1, 1, 1), (5_000, 2, 1, 0), (6_000, 1, 1, 0), (7_000, 3, 2, 0), (7_000, 3, 2, 1), (90_000, 0, 0, 1)])
+    t_us, x, y, p = rows.T
+    return Recording(Events(t_us, x.astype(np.uint16), y.astype(np.uint16), p.astype(np.uint8)), 6, 4)
+
+
+def test_the_last_event_of_a_pixel_colours_it() -> None:
+    picture = snapshot(six_pixels())
+    assert picture.shape == (4, 6, 3)
+    found = {(x, y): tuple(picture[y, x].tolist()) for y in range(4) for x in range(6)}
+    coloured = {place: colour for place, colour in found.items() if colour != WHITE}
+    assert coloured == {(1, 1): BLUE, (2, 1): BLUE, (3, 2): RED, (0, 0): RED}
+
+
+def test_four_recordings_stand_in_two_rows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, picture = tmp_path / "r.npz", tmp_path / "r.png"
+    write_recording(six_pixels(), path)
+    assert draw_snapshots([*[str(path)] * 4, "-o", str(picture), "--at", "0"]) == 0
+    with Image.open(picture) as image:
+        assert image.size == (3 * 6 + 2 * 4, 2 * 4 + 4)
+        pixels = image.convert("RGB")
+        assert pixels.getpixel((3, 2)) == pixels.getpixel((10 + 3, 8 + 2 - 8)) == RED
+        assert pixels.getpixel((0, 0)) == WHITE
+    assert draw_snapshots([str(tmp_path / "none.npz"), "-o", str(picture)]) == 2
+    assert capsys.readouterr().err.startswith("snapshot: ")
+    assert draw_snapshots([str(path), "-o", str(tmp_path / "no" / "r.png"), "--at", "0"]) == 2
