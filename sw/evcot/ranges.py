@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Validation of settings: one table of limits per settings class, used for checks and messages."""
+"""Validation of settings: the fields of a settings class have limits, used for checks, messages and searches."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import field, fields
 from typing import Any
 
 from .errors import ConfigError
 
-__all__ = ["Range", "check_integer", "check_range", "check_ranges", "read_pair", "read_value", "span"]
+__all__ = ["Range", "check_integer", "check_range", "check_ranges", "ranges_of", "read_pair", "read_value", "setting", "span"]
 
 Range = tuple[float, float, str]
 """Lowest, highest, meaning; two integer limits mark an integer setting."""
@@ -19,10 +20,20 @@ def span(low: float, high: float) -> str:
     return " to ".join(str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (low, high))
 
 
-def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range]) -> None:
-    """Raise ConfigError for the first field of `settings` that is outside its entry in `ranges`, or of another type."""
-    for field, limits in ranges.items():
-        check_range(f"{name}.{field}", getattr(settings, field), *limits)
+def setting(default: Any, low: float, high: float, meaning: str) -> Any:
+    """A field of a settings dataclass with its limits."""
+    return field(default=default, metadata={"range": (low, high, meaning)})
+
+
+def ranges_of(settings: Any) -> dict[str, Range]:
+    """The limits of all fields, of a settings dataclass or an instance of one, that have any."""
+    return {each.name: each.metadata["range"] for each in fields(settings) if "range" in each.metadata}
+
+
+def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range] | None = None) -> None:
+    """Raise ConfigError for the first field of `settings` outside its limits, or its entry in `ranges`, or of another type."""
+    for key, limits in (ranges_of(settings) if ranges is None else ranges).items():
+        check_range(f"{name}.{key}", getattr(settings, key), *limits)
 
 
 def check_integer(name: str, value: object, low: int, high: int, meaning: str = "") -> None:

@@ -15,11 +15,11 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter
 
 from ..errors import ConfigError
 from ..outputs import note_input, written_aside
-from ..ranges import Range, check_ranges
+from ..ranges import check_ranges, setting
 from .layout import Field
 from .motion import Steps
 
-__all__ = ["FIELD_RANGES", "FieldConfig", "NormalMotion"]
+__all__ = ["FieldConfig", "NormalMotion"]
 
 _FORMAT = 1
 _NEAR_PX = 64.0  # maximum distance over which a supported cell's speed is used
@@ -27,25 +27,20 @@ _LEAST_DEVIATION = 0.1  # of the logarithm of speed
 _SUMS = ("visits", "ends", "turns", "x", "y", "log_speed", "log_speed_squared")
 _SMALL = 1e-9
 
-FIELD_RANGES: dict[str, Range] = {
-    "cell_px": (1, 1024, "side of a cell"),
-    "smooth_cells": (0.0, 100.0, "standard deviation of the Gaussian by which cells share what they know"),
-}
-
 
 @dataclass(frozen=True)
 class FieldConfig:
-    """Settings of the field's grid; limits and meanings in `FIELD_RANGES`.
+    """Settings of the field's grid.
 
     Raises:
         ConfigError: a value outside its range.
     """
 
-    cell_px: int = 8
-    smooth_cells: float = 1.0
+    cell_px: int = setting(8, 1, 1024, "side of a cell")
+    smooth_cells: float = setting(1.0, 0.0, 100.0, "standard deviation of the Gaussian by which cells share what they know")
 
     def __post_init__(self) -> None:
-        check_ranges("field", self, FIELD_RANGES)
+        check_ranges("field", self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from ..errors import ConfigError
-from ..ranges import Range, check_ranges
+from ..ranges import Range, check_ranges, ranges_of, setting
 from .contract import (
     CELL_PX,
     CELL_STAMP_W,
@@ -27,29 +27,10 @@ __all__ = ["DEFAULT_FILTERS", "FILTER_RANGES", "FilterConfig"]
 
 _NOISE_WINDOW_US = 1 << 14
 
-# field -> (lowest, highest, meaning)
-FILTER_RANGES: dict[str, Range] = {
-    "refractory_us": (0, 10**9, "silence of a pixel after an event; 0 is off"),
-    "activity_us": (0, 10**9, "oldest neighbour that supports an event; 0 is off"),
-    "activity_support": (1, 8, "neighbours that an event needs"),
-    "activity_noise_hz": (0.0, 1e6, "noise that may pass, per pixel and second; neighbours follow it; 0 is off"),
-    "recent_us": (0, 10**9, "age past which an event leaves the FIFO; 0 is off"),
-    "recent_radius": (1, 15, "how near an event in the FIFO must be, pixels"),
-    "recent_support": (1, 256, "events in the FIFO that an event needs"),
-    "recent_depth": (1, 256, "events in the FIFO"),
-    "decay_tau_us": (0.0, 1e9, "time constant of a weight's decay; 0 is off"),
-    "decay_epsilon": (0.0, 1.0, "weight up to which an event is discarded"),
-    "decay_support": (1 / 256, 8.0, "sum of weights needed"),
-    "rowcol_us": (0, 10**9, "oldest event of a row or column that supports an event; 0 is off"),
-    "rowcol_radius": (1, 15, "how near it must be along the row or column, pixels"),
-    "rowcol_support": (1, 6, "rows and columns whose last events an event needs"),
-    "cell_px": (0, 4, "side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter"),
-}
-
 
 @dataclass(frozen=True)
 class FilterConfig:
-    """The filters in front of both trackers, all off by default; limits in `FILTER_RANGES`, meanings in docs/filters.md.
+    """The filters in front of both trackers, all off by default; see docs/filters.md.
 
     Attributes:
         region: (x0, y0, x1, y1), first and last column and row that pass, in pixels; None is off.
@@ -67,21 +48,23 @@ class FilterConfig:
     region: tuple[int, int, int, int] | None = None
     polarity: Literal["on", "off"] | None = None
     hot_pixels: tuple[tuple[int, int], ...] = ()
-    refractory_us: int = 0
-    activity_us: int = 0
-    activity_support: int = 1
-    activity_noise_hz: float = 0.0
-    recent_us: int = 0
-    recent_radius: int = 4
-    recent_support: int = 1
-    recent_depth: int = 32
-    decay_tau_us: float = 0.0
-    decay_epsilon: float = 0.1
-    decay_support: float = 1.0
-    rowcol_us: int = 0
-    rowcol_radius: int = 1
-    rowcol_support: int = 1
-    cell_px: int = 0
+    refractory_us: int = setting(0, 0, 10**9, "silence of a pixel after an event; 0 is off")
+    activity_us: int = setting(0, 0, 10**9, "oldest neighbour that supports an event; 0 is off")
+    activity_support: int = setting(1, 1, 8, "neighbours that an event needs")
+    activity_noise_hz: float = setting(
+        0.0, 0.0, 1e6, "noise that may pass, per pixel and second; neighbours follow it; 0 is off"
+    )
+    recent_us: int = setting(0, 0, 10**9, "age past which an event leaves the FIFO; 0 is off")
+    recent_radius: int = setting(4, 1, 15, "how near an event in the FIFO must be, pixels")
+    recent_support: int = setting(1, 1, 256, "events in the FIFO that an event needs")
+    recent_depth: int = setting(32, 1, 256, "events in the FIFO")
+    decay_tau_us: float = setting(0.0, 0.0, 1e9, "time constant of a weight's decay; 0 is off")
+    decay_epsilon: float = setting(0.1, 0.0, 1.0, "weight up to which an event is discarded")
+    decay_support: float = setting(1.0, 1 / 256, 8.0, "sum of weights needed")
+    rowcol_us: int = setting(0, 0, 10**9, "oldest event of a row or column that supports an event; 0 is off")
+    rowcol_radius: int = setting(1, 1, 15, "how near it must be along the row or column, pixels")
+    rowcol_support: int = setting(1, 1, 6, "rows and columns whose last events an event needs")
+    cell_px: int = setting(0, 0, 4, "side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter")
 
     def __post_init__(self) -> None:
         if self.region is not None:
@@ -95,7 +78,7 @@ class FilterConfig:
             raise ConfigError(f"filters.hot_pixels = {self.hot_pixels!r}: must be a list of pixels")
         pixels = tuple(_addresses(pixel, 2, "filters.hot_pixels holds", "x, y") for pixel in self.hot_pixels)
         object.__setattr__(self, "hot_pixels", tuple(dict.fromkeys(pixels)))
-        check_ranges("filters", self, FILTER_RANGES)
+        check_ranges("filters", self)
         if self.cell_px not in CELL_PX:
             raise ConfigError(f"filters.cell_px = {self.cell_px}: must be 0, 1, 2 or 4")
         if self.activity_noise_hz and not self.activity_us:
@@ -216,6 +199,9 @@ class FilterConfig:
             rule = f"must be from {one_tick_us / high:.4g} to {one_tick_us / low:.4g} at ticks of {tick_us} us"
             raise ConfigError(f"filters.decay_tau_us = {self.decay_tau_us:g}: {rule}")
         return math.floor(one_tick_us / self.decay_tau_us + 0.5)
+
+
+FILTER_RANGES: dict[str, Range] = ranges_of(FilterConfig)
 
 
 def _addresses(value: object, count: int, where: str, names: str) -> tuple[int, ...]:

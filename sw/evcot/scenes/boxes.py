@@ -15,59 +15,47 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Recording
-from ..ranges import Range, check_ranges
+from ..ranges import check_ranges, setting
 from ._contours import leg_events
 from ._order import KEY_T_SHIFT, events_of
 from .cast import LANES, cast
 from .scene import Scene
 from .truth import Box, Truth, sample
 
-__all__ = ["BOX_RANGES", "BoxExperiment", "Scene", "Speed", "simulate"]
+__all__ = ["BoxExperiment", "Scene", "Speed", "simulate"]
 
 Speed = Literal["slow", "fast", "both"]
 
-BOX_RANGES: dict[str, Range] = {
-    "width": (64, 4096, "pixels of the sensor across"),
-    "height": (64, 4096, "pixels of the sensor down"),
-    "duration_us": (1_000, 1_000_000_000, "length of the scene"),
-    "slow_px_s": (1.0, 10_000.0, "speed of a slow box"),
-    "fast_px_s": (1.0, 10_000.0, "speed of a fast box"),
-    "side_px": (0.0, 512.0, "side of a box; 0 for 0.28 of a lane"),
-    "contrast_steps": (1, 32, "thresholds between background and box: events per pixel and edge"),
-    "jitter_us": (0, 10_000, "longest delay of an event of an edge"),
-    "noise_hz_per_px": (0.0, 1_000.0, "background events per pixel and second"),
-    "flicker_hz_per_px": (0.0, 10_000.0, "noise of a moving box's contour: events per pixel of its length and second"),
-    "truth_step_us": (1, 1_000_000, "time between two samples of the truth"),
-    "seed": (0, 2**63 - 1, "seed of all noise"),
-}
 _LANE_SHARE = 0.28
 
 
 @dataclass(frozen=True)
 class BoxExperiment:
-    """The box experiment's settings; limits and meanings in `BOX_RANGES`. `speed` selects the paper's slow or fast situation,
+    """The box experiment's settings. `speed` selects the paper's slow or fast situation,
     or, with "both", slow boxes in the upper half and fast ones in the lower.
 
     Raises:
         ConfigError: a value outside its range, or boxes higher than their lanes.
     """
 
-    width: int = 346
-    height: int = 260
-    duration_us: int = 2_500_000
+    width: int = setting(346, 64, 4096, "pixels of the sensor across")
+    height: int = setting(260, 64, 4096, "pixels of the sensor down")
+    duration_us: int = setting(2_500_000, 1_000, 1_000_000_000, "length of the scene")
     speed: Speed = "both"
-    slow_px_s: float = 80.0
-    fast_px_s: float = 400.0
-    side_px: float = 0.0
-    contrast_steps: int = 4
-    jitter_us: int = 200
-    noise_hz_per_px: float = 0.1
-    flicker_hz_per_px: float = 20.0
-    truth_step_us: int = 1_000
-    seed: int = 1
+    slow_px_s: float = setting(80.0, 1.0, 10_000.0, "speed of a slow box")
+    fast_px_s: float = setting(400.0, 1.0, 10_000.0, "speed of a fast box")
+    side_px: float = setting(0.0, 0.0, 512.0, "side of a box; 0 for 0.28 of a lane")
+    contrast_steps: int = setting(4, 1, 32, "thresholds between background and box: events per pixel and edge")
+    jitter_us: int = setting(200, 0, 10_000, "longest delay of an event of an edge")
+    noise_hz_per_px: float = setting(0.1, 0.0, 1_000.0, "background events per pixel and second")
+    flicker_hz_per_px: float = setting(
+        20.0, 0.0, 10_000.0, "noise of a moving box's contour: events per pixel of its length and second"
+    )
+    truth_step_us: int = setting(1_000, 1, 1_000_000, "time between two samples of the truth")
+    seed: int = setting(1, 0, 2**63 - 1, "seed of all noise")
 
     def __post_init__(self) -> None:
-        check_ranges("boxes", self, BOX_RANGES)
+        check_ranges("boxes", self)
         if self.speed not in get_args(Speed):
             raise ConfigError(f"boxes.speed = {self.speed!r}: must be one of {', '.join(get_args(Speed))}")
         if self.side_px > self.height / LANES or 0 < self.side_px < 1:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from ..ranges import Range
+from ..ranges import setting
 from ._flight_kernel import bounce
 from .scene import Scene
 from .shapes import X, Y, discs
@@ -32,19 +32,12 @@ class Discs(StageSettings):
     """
 
     NAME: ClassVar[str] = "discs"
-    RANGES: ClassVar[dict[str, Range]] = {
-        "count": (1, 256, "how many discs"),
-        "radius_px": (1.0, 512.0, "radius of a disc"),
-        "speed_px_s": (1.0, 20_000.0, "mean speed"),
-        "speed_spread": (0.0, 0.9, "farthest from the mean, as a part of it"),
-        "contrast": (0.05, 5.0, "log intensity between a disc and the background"),
-    }
 
-    count: int = 6
-    radius_px: float = 9.0
-    speed_px_s: float = 150.0
-    speed_spread: float = 0.5
-    contrast: float = 0.9
+    count: int = setting(6, 1, 256, "how many discs")
+    radius_px: float = setting(9.0, 1.0, 512.0, "radius of a disc")
+    speed_px_s: float = setting(150.0, 1.0, 20_000.0, "mean speed")
+    speed_spread: float = setting(0.5, 0.0, 0.9, "farthest from the mean, as a part of it")
+    contrast: float = setting(0.9, 0.05, 5.0, "log intensity between a disc and the background")
     ways: Ways = "crossing"
 
     def __post_init__(self) -> None:

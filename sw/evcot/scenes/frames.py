@@ -20,42 +20,35 @@ from PIL import Image
 
 from ..errors import ConfigError, RecordingError
 from ..events import Events
-from ..ranges import Range, check_ranges
+from ..ranges import check_ranges, setting
 from .pixel import PixelCamera, PixelModel
 
-__all__ = ["FOOTAGE_RANGES", "SUFFIXES", "TIMES_FILE", "Film", "Footage", "open_film"]
+__all__ = ["SUFFIXES", "TIMES_FILE", "Film", "Footage", "open_film"]
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
 TIMES_FILE = "timestamps.txt"
 
-FOOTAGE_RANGES: dict[str, Range] = {
-    "fps": (0.0, 1e6, "frames per second; 0 for the file's own times"),
-    "shrink": (1, 64, "binning factor: pixels per side of the frame that are averaged to one"),
-    "offset": (1e-4, 1.0, "added to luminance before the logarithm; white is 1"),
-    "duration_us": (0, 10**15, "how much of it; 0 for all"),
-    "seed": (0, 2**63 - 1, "seed of mismatch and noise"),
-}
 _SIDE_MAX = 16_384
 _LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 @dataclass(frozen=True)
 class Footage:
-    """Settings of the conversion from frames; limits and meanings in `FOOTAGE_RANGES`.
+    """Settings of the conversion from frames.
 
     Raises:
         ConfigError: a value outside its range.
     """
 
-    fps: float = 0.0
-    shrink: int = 1
-    offset: float = 0.01
-    duration_us: int = 0
-    seed: int = 1
+    fps: float = setting(0.0, 0.0, 1e6, "frames per second; 0 for the file's own times")
+    shrink: int = setting(1, 1, 64, "binning factor: pixels per side of the frame that are averaged to one")
+    offset: float = setting(0.01, 1e-4, 1.0, "added to luminance before the logarithm; white is 1")
+    duration_us: int = setting(0, 0, 10**15, "how much of it; 0 for all")
+    seed: int = setting(1, 0, 2**63 - 1, "seed of mismatch and noise")
     pixel: PixelModel = field(default_factory=PixelModel)
 
     def __post_init__(self) -> None:
-        check_ranges("footage", self, FOOTAGE_RANGES)
+        check_ranges("footage", self)
 
 
 class Film:

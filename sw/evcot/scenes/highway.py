@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ranges import Range
+from ..ranges import setting
 from ._highway_kernel import MARGIN_PX, project_each
 from ._vehicles import FACES, SHADOW, outline
 from .pixel import PixelModel
@@ -43,32 +43,19 @@ class Highway(StageSettings):
     """Three lanes and a shoulder; the defaults give a recording like one from a 346x260 camera (see docs/scenes.md)."""
 
     NAME: ClassVar[str] = "highway"
-    RANGES: ClassVar[dict[str, Range]] = {
-        "camera_height_m": (5.0, 30.0, "camera above the road"),
-        "speed_m_s": (5.0, 60.0, "mean speed in the middle lane"),
-        "vehicles_per_s": (0.0, 3.0, "how many come, in all lanes together"),
-        "lorry_share": (0.0, 1.0, "how many of them are lorries"),
-        "contrast": (0.1, 3.0, "log intensity between paint and road"),
-        "story": (0, 1, "whether the first come the wrong way, stop and overtake"),
-        "wrong_way": (0, 1_000, "how many come the wrong way besides"),
-        "stopping": (0, 1_000, "how many stop on the shoulder and drive on besides"),
-        "crossing": (0, 1_000, "people and animals that cross the road"),
-        "loitering": (0, 1_000, "people who stay on the shoulder"),
-        "speeding": (0, 1_000, "how many drive about twice as fast"),
-    }
 
     pixel: PixelModel = field(default_factory=_pixel)
-    camera_height_m: float = 7.5
-    speed_m_s: float = 20.0
-    vehicles_per_s: float = 2.0
-    lorry_share: float = 0.12
-    contrast: float = 1.1
-    story: int = 1
-    wrong_way: int = 0
-    stopping: int = 0
-    crossing: int = 0
-    loitering: int = 0
-    speeding: int = 0
+    camera_height_m: float = setting(7.5, 5.0, 30.0, "camera above the road")
+    speed_m_s: float = setting(20.0, 5.0, 60.0, "mean speed in the middle lane")
+    vehicles_per_s: float = setting(2.0, 0.0, 3.0, "how many come, in all lanes together")
+    lorry_share: float = setting(0.12, 0.0, 1.0, "how many of them are lorries")
+    contrast: float = setting(1.1, 0.1, 3.0, "log intensity between paint and road")
+    story: int = setting(1, 0, 1, "whether the first come the wrong way, stop and overtake")
+    wrong_way: int = setting(0, 0, 1_000, "how many come the wrong way besides")
+    stopping: int = setting(0, 0, 1_000, "how many stop on the shoulder and drive on besides")
+    crossing: int = setting(0, 0, 1_000, "people and animals that cross the road")
+    loitering: int = setting(0, 0, 1_000, "people who stay on the shoulder")
+    speeding: int = setting(0, 0, 1_000, "how many drive about twice as fast")
 
 
 def simulate(settings: Highway) -> Scene:

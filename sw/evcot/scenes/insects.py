@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ranges import Range
+from ..ranges import setting
 from ._flight_kernel import bounce, insects_at
 from .scene import Scene
 from .shapes import discs, quadrangles
@@ -31,25 +31,15 @@ class Insects(StageSettings):
     """Dark dots that fly straight for some time, then turn; grass and glints are not objects of the truth."""
 
     NAME: ClassVar[str] = "insects"
-    RANGES: ClassVar[dict[str, Range]] = {
-        "count": (1, 1_000, "how many insects"),
-        "radius_px": (0.8, 20.0, "radius of an insect"),
-        "speed_px_s": (1.0, 20_000.0, "mean speed"),
-        "turn_deg": (0.0, 180.0, "standard deviation of a turn"),
-        "contrast": (0.05, 5.0, "log intensity between an insect, which is darker, and the background"),
-        "blades": (0, 1_000, "blades of grass, along the lower edge"),
-        "wave_px": (0.0, 100.0, "how far the tip of a blade waves to either side"),
-        "glints": (0, 1_000, "spots of the background that flicker"),
-    }
 
-    count: int = 12
-    radius_px: float = 1.6
-    speed_px_s: float = 260.0
-    turn_deg: float = 50.0
-    contrast: float = 1.0
-    blades: int = 40
-    wave_px: float = 7.0
-    glints: int = 60
+    count: int = setting(12, 1, 1_000, "how many insects")
+    radius_px: float = setting(1.6, 0.8, 20.0, "radius of an insect")
+    speed_px_s: float = setting(260.0, 1.0, 20_000.0, "mean speed")
+    turn_deg: float = setting(50.0, 0.0, 180.0, "standard deviation of a turn")
+    contrast: float = setting(1.0, 0.05, 5.0, "log intensity between an insect, which is darker, and the background")
+    blades: int = setting(40, 0, 1_000, "blades of grass, along the lower edge")
+    wave_px: float = setting(7.0, 0.0, 100.0, "how far the tip of a blade waves to either side")
+    glints: int = setting(60, 0, 1_000, "spots of the background that flicker")
 
 
 def simulate(settings: Insects) -> Scene:

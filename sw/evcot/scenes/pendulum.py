@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from ..ranges import Range
+from ..ranges import setting
 from .scene import Scene
 from .shapes import X, Y, discs, quadrangles
 from .stage import StageSettings, SteadyStage, film, texture
@@ -33,23 +33,14 @@ class Pendulum(StageSettings):
     """
 
     NAME: ClassVar[str] = "pendulum"
-    RANGES: ClassVar[dict[str, Range]] = {
-        "length_px": (8.0, 4096.0, "from the pivot to the middle of the bob"),
-        "bob_px": (1.0, 512.0, "radius of the bob"),
-        "rod_px": (0.5, 64.0, "width of the rod"),
-        "angle_deg": (0.1, 80.0, "first angle"),
-        "period_s": (0.05, 100.0, "time of a swing there and back"),
-        "damping_s": (0.1, 10_000.0, "time in which the swing falls to 1/e"),
-        "contrast": (0.05, 5.0, "log intensity between the pendulum, which is darker, and the background"),
-    }
 
-    length_px: float = 180.0
-    bob_px: float = 16.0
-    rod_px: float = 3.0
-    angle_deg: float = 35.0
-    period_s: float = 1.6
-    damping_s: float = 8.0
-    contrast: float = 0.9
+    length_px: float = setting(180.0, 8.0, 4096.0, "from the pivot to the middle of the bob")
+    bob_px: float = setting(16.0, 1.0, 512.0, "radius of the bob")
+    rod_px: float = setting(3.0, 0.5, 64.0, "width of the rod")
+    angle_deg: float = setting(35.0, 0.1, 80.0, "first angle")
+    period_s: float = setting(1.6, 0.05, 100.0, "time of a swing there and back")
+    damping_s: float = setting(8.0, 0.1, 10_000.0, "time in which the swing falls to 1/e")
+    contrast: float = setting(0.9, 0.05, 5.0, "log intensity between the pendulum, which is darker, and the background")
 
     def __post_init__(self) -> None:
         super().__post_init__()

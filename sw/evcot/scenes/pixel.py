@@ -11,32 +11,22 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Events, check_sensor
-from ..ranges import Range, check_ranges
+from ..ranges import check_ranges, setting
 from ._batch_kernel import batch_events
 from ._order import unpacked, without_intervals
 from ._pixel_kernel import LOG_INTENSITY_MAX, are_within, begin, levels_of, pixel_events
 from ._render_kernel import draw
 from ._spontaneous import Spontaneous
 
-__all__ = ["MODEL_RANGES", "PixelCamera", "PixelModel"]
+__all__ = ["PixelCamera", "PixelModel"]
 
-MODEL_RANGES: dict[str, Range] = {
-    "on_threshold": (0.01, 5.0, "rise of log intensity, to base e, that makes an ON event"),
-    "off_threshold": (0.01, 5.0, "fall of log intensity, to base e, that makes an OFF event"),
-    "mismatch": (0.0, 0.5, "standard deviation of thresholds over the pixels, as a part of the threshold"),
-    "refractory_us": (0, 1_000_000, "time after an event in which a pixel makes no other"),
-    "noise_hz": (0.0, 1_000.0, "background activity: events per pixel and second, of either polarity"),
-    "leak_hz": (0.0, 1_000.0, "leak: ON events per pixel and second"),
-    "hot_pixels": (0, 1_000_000, "how many pixels fire all the time"),
-    "hot_hz": (0.001, 1_000_000.0, "events per second of a hot pixel"),
-}
 _LOWEST = 0.1  # of a threshold: below, mismatch is clipped
 _SPAN_MAX_US = 1 << 30
 
 
 @dataclass(frozen=True)
 class PixelModel:
-    """Settings of the pixels; limits and meanings in `MODEL_RANGES`.
+    """Settings of the pixels.
 
     Thresholds of the pixels are normally distributed around the nominal ones, ON and OFF independently, and at least a tenth of
     them. Background activity and leak are Poisson processes; a hot pixel fires periodically, always with one polarity. Every
@@ -47,17 +37,17 @@ class PixelModel:
         ConfigError: a value outside its range.
     """
 
-    on_threshold: float = 0.2
-    off_threshold: float = 0.2
-    mismatch: float = 0.0
-    refractory_us: int = 0
-    noise_hz: float = 0.0
-    leak_hz: float = 0.0
-    hot_pixels: int = 0
-    hot_hz: float = 10_000.0
+    on_threshold: float = setting(0.2, 0.01, 5.0, "rise of log intensity, to base e, that makes an ON event")
+    off_threshold: float = setting(0.2, 0.01, 5.0, "fall of log intensity, to base e, that makes an OFF event")
+    mismatch: float = setting(0.0, 0.0, 0.5, "standard deviation of thresholds over the pixels, as a part of the threshold")
+    refractory_us: int = setting(0, 0, 1_000_000, "time after an event in which a pixel makes no other")
+    noise_hz: float = setting(0.0, 0.0, 1_000.0, "background activity: events per pixel and second, of either polarity")
+    leak_hz: float = setting(0.0, 0.0, 1_000.0, "leak: ON events per pixel and second")
+    hot_pixels: int = setting(0, 0, 1_000_000, "how many pixels fire all the time")
+    hot_hz: float = setting(10_000.0, 0.001, 1_000_000.0, "events per second of a hot pixel")
 
     def __post_init__(self) -> None:
-        check_ranges("pixel", self, MODEL_RANGES)
+        check_ranges("pixel", self)
 
 
 class PixelCamera:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from ..ranges import Range
+from ..ranges import setting
 from .scene import Scene
 from .shapes import quadrangles
 from .stage import MARGIN_PX, StageSettings, SteadyStage, film, texture
@@ -35,25 +35,15 @@ class Shake(StageSettings):
     """
 
     NAME: ClassVar[str] = "shake"
-    RANGES: ClassVar[dict[str, Range]] = {
-        "count": (0, 64, "how many boxes"),
-        "side_px": (2.0, 512.0, "side of a box"),
-        "speed_px_s": (1.0, 20_000.0, "mean speed of a box"),
-        "contrast": (0.05, 5.0, "log intensity between a box and the background"),
-        "shake_px": (0.0, MARGIN_PX - 2.0, "farthest that the picture moves"),
-        "shake_hz": (0.1, 200.0, "mean frequency of the tremor"),
-        "texture_contrast": (0.0, 2.0, "standard deviation of the wall's log intensity"),
-        "grain_px": (1.0, 64.0, "size of the wall's spots"),
-    }
 
-    count: int = 4
-    side_px: float = 24.0
-    speed_px_s: float = 90.0
-    contrast: float = 1.2
-    shake_px: float = 2.5
-    shake_hz: float = 6.0
-    texture_contrast: float = 0.3
-    grain_px: float = 2.5
+    count: int = setting(4, 0, 64, "how many boxes")
+    side_px: float = setting(24.0, 2.0, 512.0, "side of a box")
+    speed_px_s: float = setting(90.0, 1.0, 20_000.0, "mean speed of a box")
+    contrast: float = setting(1.2, 0.05, 5.0, "log intensity between a box and the background")
+    shake_px: float = setting(2.5, 0.0, MARGIN_PX - 2.0, "farthest that the picture moves")
+    shake_hz: float = setting(6.0, 0.1, 200.0, "mean frequency of the tremor")
+    texture_contrast: float = setting(0.3, 0.0, 2.0, "standard deviation of the wall's log intensity")
+    grain_px: float = setting(2.5, 1.0, 64.0, "size of the wall's spots")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..events import Recording
-from ..ranges import Range, check_ranges
+from ..ranges import check_ranges, setting
 from ._occlusion_kernel import hidden_at
 from ._order import KEY_T_SHIFT, unpacked
 from ._render_kernel import changes, displacement, draw, shift_texture
@@ -30,35 +30,26 @@ _STEP_MAX_US = 5_000
 _BATCH = 31  # frames whose events are computed at once: with the one before, a multiple of a vector's length
 _AT_ONCE = 100  # samples of the truth
 
-STAGE_RANGES: dict[str, Range] = {
-    "width": (64, 4096, "pixels of the sensor across"),
-    "height": (64, 4096, "pixels of the sensor down"),
-    "duration_us": (1_000, 1_000_000_000, "length of the scene"),
-    "seed": (0, 2**63 - 1, "seed of everything random"),
-    "truth_step_us": (1, 1_000_000, "time between two samples of the truth"),
-}
-
 
 @dataclass(frozen=True)
 class StageSettings:
-    """Settings common to all filmed scenes; limits and meanings in `STAGE_RANGES`.
+    """Settings common to all filmed scenes.
 
     Raises:
         ConfigError: a value outside its range.
     """
 
     NAME: ClassVar[str] = "scene"
-    RANGES: ClassVar[dict[str, Range]] = {}
 
-    width: int = 346
-    height: int = 260
-    duration_us: int = 4_000_000
-    seed: int = 1
-    truth_step_us: int = 1_000
+    width: int = setting(346, 64, 4096, "pixels of the sensor across")
+    height: int = setting(260, 64, 4096, "pixels of the sensor down")
+    duration_us: int = setting(4_000_000, 1_000, 1_000_000_000, "length of the scene")
+    seed: int = setting(1, 0, 2**63 - 1, "seed of everything random")
+    truth_step_us: int = setting(1_000, 1, 1_000_000, "time between two samples of the truth")
     pixel: PixelModel = field(default_factory=lambda: PixelModel(mismatch=0.03, refractory_us=300, noise_hz=0.1))
 
     def __post_init__(self) -> None:
-        check_ranges(self.NAME, self, STAGE_RANGES | self.RANGES)
+        check_ranges(self.NAME, self)
 
 
 class Moments(NamedTuple):

@@ -25,11 +25,11 @@ from scipy.optimize import linear_sum_assignment
 
 from evcot._numba_private import njit
 from evcot.events import Events
-from evcot.ranges import Range
+from evcot.ranges import setting
 from evcot.tracks.log import TRACK, Kind
 from evcot.tracks.tracking import check_order
 
-__all__ = ["DETECTION", "IDENTITY_RANGES", "DetectionTracker", "Identities", "IdentityConfig", "Track", "own"]
+__all__ = ["DETECTION", "DetectionTracker", "Identities", "IdentityConfig", "Track", "own"]
 
 
 # Track management: detections are assigned to the predicted positions of tracks by optimal assignment.
@@ -47,13 +47,6 @@ __all__ = ["DETECTION", "IDENTITY_RANGES", "DetectionTracker", "Identities", "Id
 _TRACKS_MAX = 64
 _OUTSIDE = 1e3  # cost of a pair outside the gate, in gates
 
-# field -> (lowest, highest, meaning)
-IDENTITY_RANGES: dict[str, Range] = {
-    "gate_px": (0.1, 10_000.0, "farthest a detection may lie from where its track is expected"),
-    "smoothing_us": (0, 10**9, "time constant with which a track takes over what is measured; 0 takes it as it is"),
-    "visible_hits": (1, 1_000_000, "detections after which a track becomes visible"),
-    "lifetime_us": (1, 10**12, "silence after which a visible track is lost"),
-}
 
 DETECTION = np.dtype(
     [
@@ -70,12 +63,14 @@ DETECTION = np.dtype(
 
 @dataclass(frozen=True)
 class IdentityConfig:
-    """Settings of track management; limits in `IDENTITY_RANGES`."""
+    """Settings of track management."""
 
-    gate_px: float = 20.0
-    smoothing_us: int = 10_000
-    visible_hits: int = 3
-    lifetime_us: int = 150_000
+    gate_px: float = setting(20.0, 0.1, 10_000.0, "farthest a detection may lie from where its track is expected")
+    smoothing_us: int = setting(
+        10_000, 0, 10**9, "time constant with which a track takes over what is measured; 0 takes it as it is"
+    )
+    visible_hits: int = setting(3, 1, 1_000_000, "detections after which a track becomes visible")
+    lifetime_us: int = setting(150_000, 1, 10**12, "silence after which a visible track is lost")
 
 
 @dataclass(slots=True, eq=False)

@@ -14,39 +14,32 @@ from scipy import ndimage
 
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events
-from evcot.ranges import Range, check_ranges
-from evcot.trackers.detections import DETECTION, IDENTITY_RANGES, DetectionTracker, IdentityConfig
+from evcot.ranges import Range, check_ranges, ranges_of, setting
+from evcot.trackers.detections import DETECTION, DetectionTracker, IdentityConfig
 
 __all__ = ["FRAME_RANGES", "PRESETS", "FrameConfig", "FrameTracker", "candidate_us", "detect"]
 
 
-# field -> (lowest, highest, meaning)
-FRAME_RANGES: dict[str, Range] = {
-    **IDENTITY_RANGES,
-    "frame_us": (1, 10**9, "length of a frame"),
-    "median_px": (1, 15, "side of the median filter's square, odd; 1 for none"),
-    "link_px": (0, 255, "widest gap, in pixels without an event, across which components still belong together"),
-    "area_min_px": (1, 2**31, "fewest pixels of an object"),
-}
-
-
 @dataclass(frozen=True)
 class FrameConfig(IdentityConfig):
-    """Settings of the frame pipeline; limits in `FRAME_RANGES`.
+    """Settings of the frame pipeline.
 
     Raises:
         ConfigError: a value outside its range, or a median filter of even side.
     """
 
-    frame_us: int = 20_000
-    median_px: int = 3
-    link_px: int = 4
-    area_min_px: int = 12
+    frame_us: int = setting(20_000, 1, 10**9, "length of a frame")
+    median_px: int = setting(3, 1, 15, "side of the median filter's square, odd; 1 for none")
+    link_px: int = setting(4, 0, 255, "widest gap, in pixels without an event, across which components still belong together")
+    area_min_px: int = setting(12, 1, 2**31, "fewest pixels of an object")
 
     def __post_init__(self) -> None:
-        check_ranges("frames", self, FRAME_RANGES)
+        check_ranges("frames", self)
         if self.median_px % 2 == 0:
             raise ConfigError(f"frames.median_px = {self.median_px}: must be odd, so that the square has a middle")
+
+
+FRAME_RANGES: dict[str, Range] = ranges_of(FrameConfig)
 
 
 PRESETS: dict[str, FrameConfig] = {

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import ConfigError
-from ...ranges import Range, check_integer
+from ...ranges import Range, check_integer, ranges_of, setting
 from ..contract import RECORD_MEANINGS, Shape
 
 __all__ = [
@@ -27,52 +27,6 @@ __all__ = [
 ]
 
 SUB = 12  # fractional bits of a side, and of a velocity in pixels per motion step
-
-# register -> (lowest, highest, meaning)
-MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
-    {
-        "step_log2": (0, 20, "a motion step of each slot every 2^step_log2 ticks"),
-        "side_step": (1, 65535, "way of a side for an event beyond and one within it, in 2^-12 px"),
-        "side_share": (1, 8, "2^-side_share of a slot's events lie beyond each side"),
-        "side_shrink": (0, 8, "a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never"),
-        "side_max": (1, 4095, "longest side, px"),
-        "gain_log2": (1, 12, "gain of a velocity's correction is 2^-gain_log2 in the end"),
-        "gain_slow": (0, 6, "2^gain_slow corrections until a gain is halved"),
-        "gain_fast": (0, 12, "it is doubled while corrections agree in direction, up to 2^-gain_fast; 0: it is not"),
-        "settle": (0, 63, "corrections during which a velocity follows the slower of two sides"),
-        "speed_max": (0, 32767, "limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events"),
-        "friction": (0, 15, "a silent slot loses 2^-friction of its velocity a step; 0: nothing"),
-        "coast_slow": (0, 3, "a silent slot moves by 2^-coast_slow of its velocity"),
-        "nev_low": (1, 1023, "fewest events of a correction"),
-        "nev_high": (1, 1023, "most events of a correction"),
-        "seed_px": (1, 255, "half the side of a new candidate's box"),
-        "ring_px": (0, 255, "least distance of a window from its box"),
-        "ring_max": (0, 255, "largest distance of a window from its box"),
-        "ring_across": (0, 8, "distance across the motion is 2^-ring_across of the box's side there"),
-        "ring_along": (0, 8, "distance along the motion is 2^-ring_along of the side across it"),
-        "ring_any": (0, 8, "distance, where there is no one direction, is 2^-ring_any of the side"),
-        "elongation": (1, 15, "a box this many times as long as it is wide reaches along its motion as across it"),
-        "detect_ticks": (1, 2**24 - 1, "ticks within which a candidate must have its first correction"),
-        "life_log2": (0, 8, "a life ends after 2^life_log2 times the usual time between corrections without one"),
-        "life_ticks": (1, 2**24 - 1, "but not before this time"),
-        "coast_ticks": (1, 2**24 - 1, "nor after this time"),
-        "return_ticks": (0, 2**24 - 1, "ticks after its end in which a track goes on in what becomes visible there; 0: never"),
-        "birth_support": (1, 65535, "events that a candidate needs to become visible"),
-        "birth_px": (0, 255, "sides that it needs"),
-        "birth_ticks": (0, 2**24 - 1, "time that it needs"),
-        "birth_travel": (0, 8, "since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side"),
-        "gap_corrections": (0, 255, "corrections after which a box is looked through for a gap; 0: never"),
-        "gap_share": (1, 15, "a bin with at most 2^-gap_share of the events is empty"),
-        "gap_px": (1, 255, "narrowest gap"),
-        "join_steps": (1, 1023, "steps for which two slots must move together before they merge"),
-        "join_life": (0, 15, "and 2^-join_life of the younger's life"),
-        "join_speed": (0, 8, "together: velocities differ by at most 2^-join_speed of the larger"),
-        "join_reach": (0, 8, "one object: a gap along the motion of at most 2^-join_reach of the width, and join_px"),
-        "join_px": (0, 255, "one object: a gap of at most so many px"),
-        "keep_older": (0, 1, "of two that merge stays 0: the one with more support; 1: the one that was seeded first"),
-        "report_steps": (1, 1023, "steps after which a slot without a correction is reported"),
-    }
-)
 
 
 class Rule(NamedTuple):
@@ -94,7 +48,7 @@ MOTION_RULES = (
 
 @dataclass(frozen=True)
 class MotionRegisters:
-    """The registers of `cot_motion`; meanings and limits in `MOTION_RANGES`.
+    """The registers of `cot_motion`.
 
     The defaults were found by a search over many kinds of scenes (docs/defaults.md); the hardware has them after reset.
 
@@ -102,46 +56,54 @@ class MotionRegisters:
         ConfigError: a value outside its range, or values that contradict each other.
     """
 
-    step_log2: int = 12
-    side_step: int = 1024
-    side_share: int = 4
-    side_shrink: int = 4
-    side_max: int = 160
-    gain_log2: int = 4
-    gain_slow: int = 0
-    gain_fast: int = 2
-    settle: int = 8
-    speed_max: int = 32767
-    friction: int = 5
-    coast_slow: int = 2
-    nev_low: int = 8
-    nev_high: int = 325
-    seed_px: int = 4
-    ring_px: int = 2
-    ring_max: int = 21
-    ring_across: int = 1
-    ring_along: int = 1
-    ring_any: int = 2
-    elongation: int = 3
-    detect_ticks: int = 7_521
-    life_log2: int = 2
-    life_ticks: int = 40_000
-    coast_ticks: int = 93_951
-    return_ticks: int = 500_000
-    birth_support: int = 260
-    birth_px: int = 2
-    birth_ticks: int = 12_000
-    birth_travel: int = 2
-    gap_corrections: int = 15
-    gap_share: int = 9
-    gap_px: int = 3
-    join_steps: int = 2
-    join_life: int = 3
-    join_speed: int = 1
-    join_reach: int = 0
-    join_px: int = 3
-    keep_older: int = 0
-    report_steps: int = 1
+    step_log2: int = setting(12, 0, 20, "a motion step of each slot every 2^step_log2 ticks")
+    side_step: int = setting(1024, 1, 65535, "way of a side for an event beyond and one within it, in 2^-12 px")
+    side_share: int = setting(4, 1, 8, "2^-side_share of a slot's events lie beyond each side")
+    side_shrink: int = setting(
+        4, 0, 8, "a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never"
+    )
+    side_max: int = setting(160, 1, 4095, "longest side, px")
+    gain_log2: int = setting(4, 1, 12, "gain of a velocity's correction is 2^-gain_log2 in the end")
+    gain_slow: int = setting(0, 0, 6, "2^gain_slow corrections until a gain is halved")
+    gain_fast: int = setting(2, 0, 12, "it is doubled while corrections agree in direction, up to 2^-gain_fast; 0: it is not")
+    settle: int = setting(8, 0, 63, "corrections during which a velocity follows the slower of two sides")
+    speed_max: int = setting(
+        32767, 0, 32767, "limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events"
+    )
+    friction: int = setting(5, 0, 15, "a silent slot loses 2^-friction of its velocity a step; 0: nothing")
+    coast_slow: int = setting(2, 0, 3, "a silent slot moves by 2^-coast_slow of its velocity")
+    nev_low: int = setting(8, 1, 1023, "fewest events of a correction")
+    nev_high: int = setting(325, 1, 1023, "most events of a correction")
+    seed_px: int = setting(4, 1, 255, "half the side of a new candidate's box")
+    ring_px: int = setting(2, 0, 255, "least distance of a window from its box")
+    ring_max: int = setting(21, 0, 255, "largest distance of a window from its box")
+    ring_across: int = setting(1, 0, 8, "distance across the motion is 2^-ring_across of the box's side there")
+    ring_along: int = setting(1, 0, 8, "distance along the motion is 2^-ring_along of the side across it")
+    ring_any: int = setting(2, 0, 8, "distance, where there is no one direction, is 2^-ring_any of the side")
+    elongation: int = setting(3, 1, 15, "a box this many times as long as it is wide reaches along its motion as across it")
+    detect_ticks: int = setting(7_521, 1, 2**24 - 1, "ticks within which a candidate must have its first correction")
+    life_log2: int = setting(2, 0, 8, "a life ends after 2^life_log2 times the usual time between corrections without one")
+    life_ticks: int = setting(40_000, 1, 2**24 - 1, "but not before this time")
+    coast_ticks: int = setting(93_951, 1, 2**24 - 1, "nor after this time")
+    return_ticks: int = setting(
+        500_000, 0, 2**24 - 1, "ticks after its end in which a track goes on in what becomes visible there; 0: never"
+    )
+    birth_support: int = setting(260, 1, 65535, "events that a candidate needs to become visible")
+    birth_px: int = setting(2, 0, 255, "sides that it needs")
+    birth_ticks: int = setting(12_000, 0, 2**24 - 1, "time that it needs")
+    birth_travel: int = setting(
+        2, 0, 8, "since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side"
+    )
+    gap_corrections: int = setting(15, 0, 255, "corrections after which a box is looked through for a gap; 0: never")
+    gap_share: int = setting(9, 1, 15, "a bin with at most 2^-gap_share of the events is empty")
+    gap_px: int = setting(3, 1, 255, "narrowest gap")
+    join_steps: int = setting(2, 1, 1023, "steps for which two slots must move together before they merge")
+    join_life: int = setting(3, 0, 15, "and 2^-join_life of the younger's life")
+    join_speed: int = setting(1, 0, 8, "together: velocities differ by at most 2^-join_speed of the larger")
+    join_reach: int = setting(0, 0, 8, "one object: a gap along the motion of at most 2^-join_reach of the width, and join_px")
+    join_px: int = setting(3, 0, 255, "one object: a gap of at most so many px")
+    keep_older: int = setting(0, 0, 1, "of two that merge stays 0: the one with more support; 1: the one that was seeded first")
+    report_steps: int = setting(1, 1, 1023, "steps after which a slot without a correction is reported")
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -151,6 +113,9 @@ class MotionRegisters:
             low, high = getattr(self, less), getattr(self, more)
             if times * low > high:
                 raise ConfigError(f"motion.{less} = {low}: must be at most {'half of ' * (times == 2)}{more} = {high}")
+
+
+MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(ranges_of(MotionRegisters))
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.trackers.detections import DETECTION, IDENTITY_RANGES, DetectionTracker, IdentityConfig
+from evcot.trackers.detections import DETECTION, DetectionTracker, IdentityConfig
 
 from ..._numba_private import njit
 from ...events import Events
-from ...ranges import Range, check_ranges
+from ...ranges import Range, check_ranges, ranges_of, setting
 from .kernel import converge
 
 __all__ = [
@@ -128,29 +128,25 @@ def cluster(points: Table, after_us: Table, bandwidth_px: float, fold_px: float,
     return found[:d], evaluations, pairs
 
 
-# field -> (lowest, highest, meaning)
-MEAN_SHIFT_RANGES: dict[str, Range] = {
-    **IDENTITY_RANGES,
-    "packet_events": (1, 1_000_000, "maximum number of events in a packet"),
-    "bandwidth_px": (0.1, 1000.0, "h, the kernel's standard deviation; modes at most this far apart are one cluster"),
-    "points_min": (1, 1_000_000, "minimum number of events of a cluster"),
-}
-
-
 @dataclass(frozen=True)
 class MeanShiftConfig(IdentityConfig):
-    """Settings of mean shift clustering; limits in `MEAN_SHIFT_RANGES`.
+    """Settings of mean shift clustering.
 
     Raises:
         ConfigError: a value outside its range.
     """
 
-    packet_events: int = 300
-    bandwidth_px: float = 6.0
-    points_min: int = 8
+    packet_events: int = setting(300, 1, 1_000_000, "maximum number of events in a packet")
+    bandwidth_px: float = setting(
+        6.0, 0.1, 1000.0, "h, the kernel's standard deviation; modes at most this far apart are one cluster"
+    )
+    points_min: int = setting(8, 1, 1_000_000, "minimum number of events of a cluster")
 
     def __post_init__(self) -> None:
-        check_ranges("mean_shift", self, MEAN_SHIFT_RANGES)
+        check_ranges("mean_shift", self)
+
+
+MEAN_SHIFT_RANGES: dict[str, Range] = ranges_of(MeanShiftConfig)
 
 
 PRESETS: dict[str, MeanShiftConfig] = {

@@ -7,32 +7,10 @@ from dataclasses import dataclass, fields
 
 from ...errors import ConfigError
 from ...filters.config import FilterConfig
-from ...ranges import Range, check_ranges
+from ...ranges import Range, check_ranges, ranges_of, setting
 
 __all__ = ["FILTERS", "PRESETS", "RCT_CHOICES", "RCT_RANGES", "RctConfig"]
 
-
-# field -> (lowest, highest, meaning)
-RCT_RANGES: dict[str, Range] = {
-    "max_clusters": (1, 1024, "clusters alive at once"),
-    "radius_px": (0.5, 1000.0, "half the side of a cluster's square window"),
-    "alpha": (1e-6, 1.0, "mixing factor of location"),
-    "velocity_alpha": (1e-6, 1.0, "mixing factor of velocity"),
-    "visible_events": (1, 1_000_000, "events after which a cluster becomes visible"),
-    "lifetime_us": (1, 10**12, "silence after which a cluster is removed"),
-    "packet_us": (1, 10**9, "length of a packet"),
-    "surround": (1.0, 10.0, "the surround's size in windows; 1: none"),
-    "box_quantile": (0.0, 0.45, "share of events beyond each side of the box whose middle is the centre; 0: the mean"),
-    "path_points": (0, 1000, "places of each cluster that are kept; from 3 on, velocity is their regression"),
-    "predict": (0.0, 1.0, "share of the velocity that carries clusters between packets; 0: none"),
-    "aspect": (0.05, 20.0, "height of a window, as a multiple of its width"),
-    "vanishing_y_px": (-1e5, 1e5, "row where objects vanish"),
-    "reference_y_px": (-1e5, 1e5, "row where radius_px holds; the vanishing row: everywhere"),
-    "visible_rate_hz": (0.0, 1e9, "events per second from which on a cluster is visible; 0: visible_events"),
-    "birth_spread_px": (0.0, 1000.0, "mean deviation of its events below which a cluster stays invisible"),
-    "coast_us": (0, 10**12, "how long a visible cluster goes on without events beyond its lifetime"),
-    "merge_overlap": (0.0, 2.0, "share of the smaller window that two must share to merge; 0: a point; above 1: never"),
-}
 
 # field -> allowed values
 RCT_CHOICES: dict[str, tuple[str, ...]] = {"assign": ("nearest", "first")}
@@ -43,7 +21,7 @@ _DEPTH_MIN_PX = 1.0  # from the vanishing row to the reference: one row, since s
 
 @dataclass(frozen=True)
 class RctConfig:
-    """Settings of the Rectangular Cluster Tracker; limits in `RCT_RANGES`, choices in `RCT_CHOICES`.
+    """Settings of the Rectangular Cluster Tracker; choices in `RCT_CHOICES`.
 
     All options after `packet_us` are off by default: the defaults are the paper's tracker.
 
@@ -51,33 +29,37 @@ class RctConfig:
         ConfigError: a value outside its range, or values that contradict each other.
     """
 
-    max_clusters: int = 32
-    radius_px: float = 12.0
-    alpha: float = 0.01
-    velocity_alpha: float = 0.05
-    visible_events: int = 5
-    lifetime_us: int = 50_000
-    packet_us: int = 1_000
+    max_clusters: int = setting(32, 1, 1024, "clusters alive at once")
+    radius_px: float = setting(12.0, 0.5, 1000.0, "half the side of a cluster's square window")
+    alpha: float = setting(0.01, 1e-6, 1.0, "mixing factor of location")
+    velocity_alpha: float = setting(0.05, 1e-6, 1.0, "mixing factor of velocity")
+    visible_events: int = setting(5, 1, 1_000_000, "events after which a cluster becomes visible")
+    lifetime_us: int = setting(50_000, 1, 10**12, "silence after which a cluster is removed")
+    packet_us: int = setting(1_000, 1, 10**9, "length of a packet")
     # Which cluster takes an event.
     assign: str = "nearest"
-    surround: float = 1.0
+    surround: float = setting(1.0, 1.0, 10.0, "the surround's size in windows; 1: none")
     # Place and motion.
-    box_quantile: float = 0.0
-    path_points: int = 0
-    predict: float = 0.0
+    box_quantile: float = setting(
+        0.0, 0.0, 0.45, "share of events beyond each side of the box whose middle is the centre; 0: the mean"
+    )
+    path_points: int = setting(0, 0, 1000, "places of each cluster that are kept; from 3 on, velocity is their regression")
+    predict: float = setting(0.0, 0.0, 1.0, "share of the velocity that carries clusters between packets; 0: none")
     # Size.
-    aspect: float = 1.0
+    aspect: float = setting(1.0, 0.05, 20.0, "height of a window, as a multiple of its width")
     dynamic_size: bool = False
-    vanishing_y_px: float = 0.0
-    reference_y_px: float = 0.0
+    vanishing_y_px: float = setting(0.0, -1e5, 1e5, "row where objects vanish")
+    reference_y_px: float = setting(0.0, -1e5, 1e5, "row where radius_px holds; the vanishing row: everywhere")
     # Life.
-    visible_rate_hz: float = 0.0
-    birth_spread_px: float = 0.0
-    coast_us: int = 0
-    merge_overlap: float = 0.0
+    visible_rate_hz: float = setting(0.0, 0.0, 1e9, "events per second from which on a cluster is visible; 0: visible_events")
+    birth_spread_px: float = setting(0.0, 0.0, 1000.0, "mean deviation of its events below which a cluster stays invisible")
+    coast_us: int = setting(0, 0, 10**12, "how long a visible cluster goes on without events beyond its lifetime")
+    merge_overlap: float = setting(
+        0.0, 0.0, 2.0, "share of the smaller window that two must share to merge; 0: a point; above 1: never"
+    )
 
     def __post_init__(self) -> None:
-        check_ranges("rct", self, RCT_RANGES)
+        check_ranges("rct", self)
         for field, names in RCT_CHOICES.items():
             if getattr(self, field) not in names:
                 raise ConfigError(f"rct.{field} = {getattr(self, field)!r}: must be one of {', '.join(names)}")
@@ -97,6 +79,9 @@ class RctConfig:
     def perspective(self) -> bool:
         """Whether the size of windows depends on their row."""
         return self.reference_y_px != self.vanishing_y_px
+
+
+RCT_RANGES: dict[str, Range] = ranges_of(RctConfig)
 
 
 _PLAIN_FIELDS = [f.name for f in fields(RctConfig)].index("packet_us") + 1
