@@ -42,7 +42,7 @@ def test_what_goes_wrong_comes_after_all_before_it_and_nothing_comes_after(error
     assert given == list(range(7))
 
 
-def test_pieces_are_made_a_few_ahead_and_no_more() -> None:
+def test_pieces_are_made_a_few_ahead_and_no_more_and_the_first_without_a_thread() -> None:
     made: list[int] = []
 
     def pieces() -> Iterator[int]:
@@ -50,8 +50,12 @@ def test_pieces_are_made_a_few_ahead_and_no_more() -> None:
             made.append(piece)
             yield piece
 
+    threads = threading.active_count()
     results = in_order(lambda piece: piece, pieces())
-    assert [next(results) for _ in range(3)] == [0, 1, 2]
+    assert next(results) == 0
+    assert threading.active_count() == threads
+    assert made == [0]
+    assert [next(results) for _ in range(2)] == [1, 2]
     assert len(made) <= 10
     results.close()  # type: ignore[attr-defined]
     assert len(made) <= 10
@@ -73,18 +77,3 @@ def test_pieces_are_made_on_the_callers_thread_and_all_but_the_first_are_decoded
     assert len(decoders) == 20
     assert len(set(decoders[1:])) == 1
     assert not set(decoders[1:]) & makers
-
-
-def test_whoever_wants_the_first_result_alone_starts_no_thread() -> None:
-    made: list[int] = []
-
-    def pieces() -> Iterator[int]:
-        for piece in range(20):
-            made.append(piece)
-            yield piece
-
-    threads = threading.active_count()
-    results = in_order(lambda piece: piece, pieces())
-    assert next(results) == 0
-    assert threading.active_count() == threads
-    assert made == [0]

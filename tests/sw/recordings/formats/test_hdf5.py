@@ -260,21 +260,19 @@ def test_numbers_that_break_a_rule_are_named(tmp_path: Path, column: str, values
     assert refusal(make(tmp_path / "events.h5", lambda file: put(file.create_group("events"), columns))) == message
 
 
-def test_a_file_without_events_is_refused(tmp_path: Path) -> None:
-    assert refusal(make(tmp_path / "a.h5", lambda file: file.create_group("frames"))) == (
-        "holds no events in a known layout: has frames at its top level"
-    )
-    empty = {name: np.empty(0, "u4") for name in "txyp"}
-    assert refusal(make(tmp_path / "b.h5", lambda file: put(file.create_group("events"), empty))) == "holds no events"
-
-
-def test_values_that_were_never_written_are_no_events(tmp_path: Path) -> None:
+def test_a_file_without_events_or_whose_values_were_never_written_is_refused(tmp_path: Path) -> None:
     def write(file: h5py.File) -> None:
         write_dsec(file, chunks=(100,), maxshape=(None,))
         for name in "txyp":
             file["events"][name].resize((COUNT + 300,))
 
-    assert refusal(make(tmp_path / "events.h5", write)) == "/events/t: holds 5 of 8 chunks: must hold all"
+    empty = {name: np.empty(0, "u4") for name in "txyp"}
+    for write_, told in (
+        (write, "/events/t: holds 5 of 8 chunks: must hold all"),
+        (lambda file: file.create_group("frames"), "holds no events in a known layout: has frames at its top level"),
+        (lambda file: put(file.create_group("events"), empty), "holds no events"),
+    ):
+        assert refusal(make(tmp_path / "a.h5", write_)) == told
 
 
 def with_filter(code: int) -> Write:

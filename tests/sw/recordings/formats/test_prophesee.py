@@ -335,23 +335,16 @@ def test_of_two_sensors_in_a_header_the_larger_is_taken_and_told(tmp_path: Path)
         assert [str(each.message) for each in caught] == [message]
 
 
-def test_what_a_header_says_is_told(tmp_path: Path) -> None:
+def test_what_a_header_says_is_told_and_a_long_one_is_read_to_its_end(tmp_path: Path) -> None:
     path = tmp_path / "events.raw"
     header = b"% Date 2023-03-29 16:37:46\n% evt 2.1\n% plugin_name hal_plugin_imx636_evk4\n% serial_number 00ca0009\n"
     path.write_bytes(packed("evt21", [evt21_high(1), evt21_event(1, 2, 3, 4, 1)], header + b"% geometry 1280x720\n% end\n"))
     with open_recording(path) as file:
         assert (file.format, file.sensor, file.t0_us) == ("Prophesee RAW, EVT 2.1", (1280, 720), 66)
         assert file.details == {
-            "camera": "hal_plugin_imx636_evk4",
-            "serial": "00ca0009",
-            "date": "2023-03-29 16:37:46",
-            "words": "2 of 64 bits",
-            "order": "little",
-        }
-
-
-def test_a_long_header_is_read_to_its_end(tmp_path: Path) -> None:
-    path = tmp_path / "events.raw"
+            "camera": "hal_plugin_imx636_evk4", "serial": "00ca0009", "date": "2023-03-29 16:37:46",
+            "words": "2 of 64 bits", "order": "little",
+        }  # fmt: skip
     for length in range(900, 1200):
         comment = b"% note " + b"x" * length + b"\n"
         path.write_bytes(packed("evt3", [evt3_high(1), evt3_row(2), evt3_event(1, 3)], comment + b"% evt 3.0\n"))
