@@ -13,7 +13,7 @@ from __future__ import annotations
 from ..errors import ConfigError
 from ..filters.contract import FilterShape
 from .contract import Shape
-from .registers import BankRegister, Bits, Group, Transport
+from .registers import BankGroup, BankRegister, Bits, Group, Transport
 
 __all__ = ["Registers"]
 
@@ -174,8 +174,8 @@ class _Packet(Group):
     wait = Bits("packet", "wait")
 
 
-class _Slot(Group):
-    """The registers of one tracker slot."""
+class _Slot(BankGroup):
+    """The registers of one tracker slot, whose life goes on at a commit unless `mode` was written."""
 
     __slots__ = ()
     mode = BankRegister("slot", "mode")
@@ -194,20 +194,8 @@ class _Slot(Group):
     nev_th = BankRegister("slot", "nev_th")
     detect_ticks = BankRegister("slot", "detect_ticks")
 
-    def commit(self) -> None:
-        """Make all values written to this slot take effect, at one point between two events.
 
-        Its life goes on unless `mode` was written.
-        """
-        self._write(124, 1)
-
-    @property
-    def commit_seq(self) -> int:
-        """Low 32 bits of the number of the first event processed with the values committed last."""
-        return self._read(124)
-
-
-class _Filters(Group):
+class _Filters(BankGroup):
     """The registers of the filters. `mask` marks a pixel at once, after `status.cleared`: write `contract.mask_word`."""
 
     __slots__ = ()
@@ -238,17 +226,8 @@ class _Filters(Group):
     noise_5 = BankRegister("filter", "noise_5")
     noise_6 = BankRegister("filter", "noise_6")
 
-    def commit(self) -> None:
-        """Make all values written take effect, at one point between two events."""
-        self._write(124, 1)
 
-    @property
-    def commit_seq(self) -> int:
-        """Low 32 bits of the number of the first event processed with the values committed last."""
-        return self._read(124)
-
-
-class _Motion(Group):
+class _Motion(BankGroup):
     """The registers of boxes and velocities, of cot_motion."""
 
     __slots__ = ()
@@ -274,21 +253,8 @@ class _Motion(Group):
     ring_any = BankRegister("motion", "ring_any")
     elongation = BankRegister("motion", "elongation")
 
-    def commit(self) -> None:
-        """Make all values written take effect, at one point between two events.
 
-        Raises:
-            BusError: they contradict each other; nothing has changed.
-        """
-        self._write(124, 1)
-
-    @property
-    def commit_seq(self) -> int:
-        """Low 32 bits of the number of the first event processed with the values committed last."""
-        return self._read(124)
-
-
-class _Tracks(Group):
+class _Tracks(BankGroup):
     """The registers of lives, of cot_motion."""
 
     __slots__ = ()
@@ -311,19 +277,6 @@ class _Tracks(Group):
     join_px = BankRegister("tracks", "join_px")
     keep_older = BankRegister("tracks", "keep_older")
     report_steps = BankRegister("tracks", "report_steps")
-
-    def commit(self) -> None:
-        """Make all values written take effect, at one point between two events.
-
-        Raises:
-            BusError: they contradict each other; nothing has changed.
-        """
-        self._write(124, 1)
-
-    @property
-    def commit_seq(self) -> int:
-        """Low 32 bits of the number of the first event processed with the values committed last."""
-        return self._read(124)
 
 
 class Registers(Group):

@@ -27,6 +27,7 @@ from .motion.contract import MOTION_BANKS, MotionRegister
 __all__ = [
     "Access",
     "Bank",
+    "BankGroup",
     "BankRegister",
     "Bits",
     "BusError",
@@ -349,6 +350,30 @@ class Group:
         if kinds and (found & place.mask) >> place.lsb == address:
             self._transport.write(fault.address, sum(flag.mask for flag in kinds))
             raise BusError(f"{what} at {address:#06x}: {'; '.join(flag.meaning for flag in kinds)}")
+
+
+class BankGroup(Group):
+    """Registers with shadows: what is written takes effect at a commit."""
+
+    __slots__ = ()
+
+    def commit(self) -> None:
+        """Make all values written take effect, at one point between two events.
+
+        Raises:
+            BusError: they contradict each other; nothing has changed.
+        """
+        self._write(_commit_address(), 1)
+
+    @property
+    def commit_seq(self) -> int:
+        """Low 32 bits of the number of the first event processed with the values committed last."""
+        return self._read(_commit_address())
+
+
+def _commit_address() -> int:
+    """Address of the word commit in its bank, the same in all."""
+    return 4 * register_map().banks["slot"].commit
 
 
 class _Value(ABC):
