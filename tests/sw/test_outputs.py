@@ -28,6 +28,7 @@ from evcot.outputs import (
     own_files,
     remade,
     spool_folder,
+    suffix_of,
     written_aside,
 )
 from evcot.recordings.files import open_recording, write_events, write_recording
@@ -467,3 +468,11 @@ def test_output_is_not_blamed_for_a_file_that_was_read(writes: object, tmp_path:
 def test_error_without_a_text_has_a_reason(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=r"out: cannot be written: OSError$"), written_aside(tmp_path / "out"):
         raise OSError
+
+
+def test_a_suffix_is_one_of_those_that_can_be_written() -> None:
+    assert suffix_of(Path("log.CSV"), (".npz", ".csv")) == ".csv"
+    with refused(OutputError, "--out a.txt: suffix '.txt': must be .npz"):
+        suffix_of(Path("a.txt"), (".npz",), "--out")
+    with refused(OutputError, "a: suffix '': must be one of .npz, .csv"):
+        suffix_of(Path("a"), (".npz", ".csv"))

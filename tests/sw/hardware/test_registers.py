@@ -206,6 +206,8 @@ def test_a_slots_register_is_checked_and_then_written_to_its_own_place() -> None
     places = slot + 4 * REGISTERS["radix_max"].address, slot + 4 * bank.commit
     assert memory.accesses == [("write", places[0]), check, ("write", places[1]), check]
     assert registers.slot[2].radix_max == 12
+    memory.words[places[1]] = 7
+    assert (registers.slot[2].commit_seq, registers.slot[1].commit_seq) == (7, 0)
     memory.accesses.clear()
     for wrong in (64, -1, 1.5):
         with pytest.raises(ConfigError, match=f"radix_max = {wrong}: must be an integer from 0 to 63 \\(largest g\\)"):
