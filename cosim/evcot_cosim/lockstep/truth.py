@@ -22,7 +22,7 @@ from .run_file import Source
 
 __all__ = ["Truth", "scene_truth", "truth_of"]
 
-_INSTANTS_MAX = 600  # at which a report looks: enough for figures of three digits, and quick
+_INSTANTS_MAX = 3_000  # that are scored: all those of a scene of 6 s, as `evcot evaluate` has them; a second each side
 
 
 @dataclass(frozen=True)
