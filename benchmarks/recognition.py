@@ -25,7 +25,7 @@ from evcot.hardware.golden import GoldenTracker
 from evcot.hardware.model import Decisions
 from evcot.metrics.truth import GroundTruth
 from evcot.recognition.contract import CELLS, HIDDEN, HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
-from evcot.recognition.model import Classifier, Network
+from evcot.recognition.model import Classifier, Network, OwnedEvents
 from evcot.recognition.tracker import TrackWindows, WindowTracker, joined
 from evcot.recognition.training import _LOGITS as LOGITS
 from evcot.recognition.training import _SCALE as SCALE
@@ -249,18 +249,19 @@ def print_speed() -> None:
     """Owned events per second of the golden model, without the tracker in front."""
     recording, _ = next(scenes(0, "apart", 1))
     config = config_for(recording)
-    _, decided = GoldenTracker(config).decide(recording.events)
+    decided = GoldenTracker(config).decide(recording.events)[1]
     owned = decided.owner >= 0
-    decided = Decisions(decided.records, *(np.tile(column[owned], 20) for column in decided[1:]))
+    columns = [np.tile(column[owned], 20) for column in decided[1:]]
+    events = OwnedEvents(*columns, np.ones(len(columns[0]), np.bool_))
     random = np.random.default_rng(1)
     network = Network(*(random.integers(-99, 99, shape).astype(np.int8) for shape in ((CELLS**2, HIDDEN), (HIDDEN, 10))))
     taken_s = []
     for _ in range(5):
         classifier = Classifier(RecognitionRegisters(), network, config.shape.n_slots, config.shape.rel_w)
         begin_s = time.perf_counter()
-        classifier.feed(decided)
+        classifier.feed(events)
         taken_s.append(time.perf_counter() - begin_s)
-    print(f"golden model: {len(decided.owner) / min(taken_s) / 1e6:.0f} M owned events/s", flush=True)
+    print(f"golden model: {len(events.owner) / min(taken_s) / 1e6:.0f} M owned events/s", flush=True)
 
 
 def main() -> None:

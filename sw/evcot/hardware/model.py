@@ -18,9 +18,6 @@ from .config import HardwareConfig
 __all__ = ["Decisions", "GoldenModel"]
 
 
-_UNKNOWN = np.zeros(0, np.bool_)
-
-
 class Decisions(NamedTuple):
     """The result of a run of events.
 
@@ -30,24 +27,26 @@ class Decisions(NamedTuple):
             filter dropped it.
         rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), of cot_motion half pixels from the
             middle of its owner's box, modulo 2^shape.rel_w; 0 without an owner.
-        visible: (n,) bool, of cot_motion: whether a visible slot owns the event. Empty: not known, from compiled hardware.
     """
 
     records: NDArray[np.void]
     owner: NDArray[np.int16]
     rel_x: NDArray[np.uint16]
     rel_y: NDArray[np.uint16]
-    visible: NDArray[np.bool_] = _UNKNOWN
 
 
 class GoldenModel(ABC):
     """A golden model as a stream: feed events in runs of any length; the result does not depend on how they are split.
 
     Memory is proportional to the events fed at once.
+
+    Attributes:
+        visible: (n,) bool, of cot_motion: whether a visible slot owns each event of the run that was fed last (rule O6).
     """
 
     def __init__(self, config: HardwareConfig) -> None:
         self._filters = FilterChain(config.filters, config.filter_shape) if config.filtered else None
+        self.visible = np.zeros(0, np.bool_)
 
     def feed(self, events: TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:
         """Process a run of events.
@@ -63,9 +62,10 @@ class GoldenModel(ABC):
             keep = self._filters.feed(events)
         n = len(events)
         owner = np.full(n, DROPPED, np.int16)
-        rel_x, rel_y, visible = np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.zeros(n, np.bool_)
-        records = self._decide(events, None if keep is None else events.mask(keep), owner, rel_x, rel_y, visible)
-        return Decisions(records, owner, rel_x, rel_y, visible)
+        rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)
+        self.visible = np.zeros(n, np.bool_)
+        records = self._decide(events, None if keep is None else events.mask(keep), owner, rel_x, rel_y, self.visible)
+        return Decisions(records, owner, rel_x, rel_y)
 
     @abstractmethod
     def _decide(

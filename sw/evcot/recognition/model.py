@@ -11,14 +11,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from ..hardware.model import Decisions
 from ._votes import judge
 from ._windows import FIELD_COUNT, FRESH, GLOBAL_COUNT, fill
 from .contract import CELLS, CLASSES_MAX, HIDDEN, VERDICT, RecognitionRegisters
 
-__all__ = ["Classifier", "Network", "Windows"]
+__all__ = ["Classifier", "Network", "OwnedEvents", "Windows"]
 
 _RUN_WINDOWS = 1024  # of the compiled loop's buffers
+
+
+class OwnedEvents(NamedTuple):
+    """What the tracker decides on a run of n events; those without an owner do not count.
+
+    Attributes:
+        owner: (n,) int16, the slot, or a negative number.
+        rel_x, rel_y: (n,) uint16, `dx` and `dy` modulo 2^rel_w.
+        visible: (n,) bool, whether the owner is visible.
+    """
+
+    owner: NDArray[np.int16]
+    rel_x: NDArray[np.uint16]
+    rel_y: NDArray[np.uint16]
+    visible: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,23 +97,14 @@ class Windows:
         self._stages = np.zeros(_RUN_WINDOWS, np.uint8)
         self._images = np.zeros((_RUN_WINDOWS, CELLS**2), np.uint8)
 
-    def feed(self, decided: Decisions) -> Iterator[Closed]:
-        """The windows that a run of events closes, in parts, each valid until the next one is asked for.
-
-        Args:
-            decided: the golden model's decisions on the run; they must have `visible`.
-
-        Raises:
-            ConfigError: they do not, as those of a tracker without boxes.
-        """
-        if len(decided.visible) != len(decided.owner):
-            raise ConfigError("decisions have no `visible`: must be those of the golden model of cot_motion")
+    def feed(self, events: OwnedEvents) -> Iterator[Closed]:
+        """The windows that a run of events closes, in parts, each valid until the next one is asked for."""
         done = 0
         registers = self._registers
-        while done < len(decided.owner):
+        while done < len(events.owner):
             done, count = fill(
                 self._state, self._globals, self._cells, registers.window_log2, registers.scale_start, self._rel_w,
-                decided.owner, decided.rel_x, decided.rel_y, decided.visible, done, self._closed, self._stages, self._images,
+                *events, done, self._closed, self._stages, self._images,
             )  # fmt: skip
             yield Closed(self._closed[:count, 0], self._closed[:count, 1], self._stages[:count], self._images[:count])
 
@@ -135,11 +140,11 @@ class Classifier:
         self._votes = np.zeros((self._n_slots, classes), np.int64)
         self._voted = np.zeros(self._n_slots, np.int64)
 
-    def feed(self, decided: Decisions) -> NDArray[np.void]:
+    def feed(self, events: OwnedEvents) -> NDArray[np.void]:
         """Verdicts of a run of events, (m,) of dtype `VERDICT`; see `Windows.feed`."""
         registers = self._registers
         rows = []
-        for closed in self._windows.feed(decided):
+        for closed in self._windows.feed(events):
             out = np.zeros((len(closed.stage), 5), np.int64)
             pairs = np.stack((closed.event + self._seen, closed.slot), axis=1)
             count = judge(
@@ -147,7 +152,7 @@ class Classifier:
                 pairs, closed.stage, closed.images, self._votes, self._voted, out,
             )  # fmt: skip
             rows.append(out[:count])
-        self._seen += len(decided.owner)
+        self._seen += len(events.owner)
         table = np.concatenate([np.zeros((0, 5), np.int64), *rows])
         verdicts = np.zeros(len(table), VERDICT)
         for name, column in zip(VERDICT.names or (), table.T, strict=True):

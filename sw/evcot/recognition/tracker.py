@@ -20,7 +20,7 @@ from ..trackers.presets import fit
 from ..tracks.record import TRACK, VERDICT
 from ..tracks.tracking import TrackerOutput
 from .contract import NONE, RecognitionRegisters
-from .model import Classifier, Windows
+from .model import Classifier, OwnedEvents, Windows
 from .weights import Weights
 
 __all__ = ["ClassifyingTracker", "TrackWindows", "WindowTracker", "joined", "start_classifying"]
@@ -74,7 +74,7 @@ class ClassifyingTracker(GoldenTracker):
         """See `tracking.Tracker`."""
         begin = self._seen
         records, decided = self.decide(events)
-        raw = self._classifier.feed(decided)
+        raw = self._classifier.feed(OwnedEvents(*decided[1:], self._model.visible))
         if len(raw):
             self.verdicts = np.concatenate((self.verdicts, self._verdicts(raw, records, events, begin)))
         self._newest.fed(records)
@@ -132,7 +132,7 @@ class WindowTracker(GoldenTracker):
         begin = self._seen
         records, decided = self.decide(events)
         parts = []
-        for closed in self._windows.feed(decided):
+        for closed in self._windows.feed(OwnedEvents(*decided[1:], self._model.visible)):
             kept = closed.stage > 0
             event = closed.event[kept]
             states = self._newest.at(event + begin, closed.slot[kept], records)

@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
-from evcot.hardware.model import Decisions
-from evcot.hardware.motion.contract import MOTION_RECORD
 from evcot.recognition import model
 from evcot.recognition.contract import CELLS, HIDDEN, RecognitionRegisters
-from evcot.recognition.model import Classifier, Network, Windows
+from evcot.recognition.model import Classifier, Network, OwnedEvents, Windows
 from support.slow_classifier import OwnedEvent, SlowClassifier
 
 REL_W = 10
@@ -26,7 +24,7 @@ def network(seed: int, classes: int = 3) -> Network:
     return Network(*(random.integers(-128, 128, shape).astype(np.int8) for shape in ((CELLS**2, HIDDEN), (HIDDEN, classes))))
 
 
-def decisions(events: list[OwnedEvent]) -> Decisions:
+def owned(events: list[OwnedEvent]) -> OwnedEvents:
     """As many events as the last one's number says; those that are not listed have no owner."""
     n = events[-1].seq + 1 if events else 0
     owner, visible = np.full(n, -1, np.int16), np.zeros(n, np.bool_)
@@ -34,12 +32,11 @@ def decisions(events: list[OwnedEvent]) -> Decisions:
     for e in events:
         owner[e.seq], visible[e.seq] = e.slot, e.visible
         rel_x[e.seq], rel_y[e.seq] = e.dx & ((1 << REL_W) - 1), e.dy & ((1 << REL_W) - 1)
-    return Decisions(np.zeros(0, MOTION_RECORD), owner, rel_x, rel_y, visible)
+    return OwnedEvents(owner, rel_x, rel_y, visible)
 
 
-def part(decided: Decisions, begin: int, end: int) -> Decisions:
-    columns = (column[begin:end] for column in decided[1:])
-    return Decisions(decided.records, *columns)
+def part(events: OwnedEvents, begin: int, end: int) -> OwnedEvents:
+    return OwnedEvents(*(column[begin:end] for column in events))
 
 
 def traffic(seed: int, count: int, slots: int) -> list[OwnedEvent]:
@@ -68,12 +65,12 @@ def test_random_traffic_gives_the_verdicts_of_the_rules(seed: int) -> None:
     events = traffic(seed, 30_000, (1, 2, 5)[seed % 3])
     expected = SlowClassifier(registers, network(seed), 5).feed(events)
     assert len(expected) > 10
-    assert rows(Classifier(registers, network(seed), 5, REL_W).feed(decisions(events))) == expected
+    assert rows(Classifier(registers, network(seed), 5, REL_W).feed(owned(events))) == expected
 
 
 def test_the_split_into_runs_changes_nothing() -> None:
     events = traffic(11, 20_000, 3)
-    decided = decisions(events)
+    decided = owned(events)
     whole = rows(Classifier(SHORT, network(1), 3, REL_W).feed(decided))
     classifier = Classifier(SHORT, network(1), 3, REL_W)
     ends = [0, 1, 2, 700, 700, 9_999, len(decided.owner)]
@@ -83,10 +80,10 @@ def test_the_split_into_runs_changes_nothing() -> None:
 
 def test_more_windows_than_the_buffer_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     events = traffic(12, 20_000, 3)
-    whole = rows(Classifier(SHORT, network(1), 3, REL_W).feed(decisions(events)))
+    whole = rows(Classifier(SHORT, network(1), 3, REL_W).feed(owned(events)))
     monkeypatch.setattr(model, "_RUN_WINDOWS", 4)
     assert len(whole) > 8
-    assert rows(Classifier(SHORT, network(1), 3, REL_W).feed(decisions(events))) == whole
+    assert rows(Classifier(SHORT, network(1), 3, REL_W).feed(owned(events))) == whole
 
 
 def of_one_slot(count: int, begin: int = 0, slot: int = 0, visible: bool = True) -> list[OwnedEvent]:
@@ -95,7 +92,7 @@ def of_one_slot(count: int, begin: int = 0, slot: int = 0, visible: bool = True)
 
 def closings(events: list[OwnedEvent], slots: int = 2) -> list[tuple[int, int, int]]:
     """(event, slot, stage) of each window."""
-    found = Windows(SHORT, slots, REL_W).feed(decisions(events))
+    found = Windows(SHORT, slots, REL_W).feed(owned(events))
     return [
         (int(event), int(slot), int(stage))
         for each in found
@@ -122,7 +119,7 @@ def test_an_event_of_a_candidate_begins_a_new_track() -> None:
 
 def test_the_first_window_of_a_track_has_no_verdict() -> None:
     events = of_one_slot(256 + 767 + 256)
-    verdicts = Classifier(SHORT, network(2), 1, REL_W).feed(decisions(events))
+    verdicts = Classifier(SHORT, network(2), 1, REL_W).feed(owned(events))
     assert [(int(one["seq"]), int(one["windows"])) for one in verdicts] == [(256 + 767 + 255, 1)]
 
 
@@ -131,7 +128,7 @@ def test_an_object_beyond_the_image_becomes_smaller_until_it_fits() -> None:
     events = [OwnedEvent(i, 0, *random.integers(-150, 151, 2).tolist(), True) for i in range(40 * 1024)]
     edge = [
         int(image.reshape(CELLS, CELLS)[:, [0, -1]].sum()) / image.sum()
-        for each in Windows(SHORT, 1, REL_W).feed(decisions(events))
+        for each in Windows(SHORT, 1, REL_W).feed(owned(events))
         for image in each.images
     ]
     assert edge[0] > 0.6
@@ -140,9 +137,9 @@ def test_an_object_beyond_the_image_becomes_smaller_until_it_fits() -> None:
 
 def test_a_write_begins_all_windows_and_votes_anew() -> None:
     classifier = Classifier(SHORT, network(4), 1, REL_W)
-    classifier.feed(decisions(of_one_slot(256 + 767 + 255)))
+    classifier.feed(owned(of_one_slot(256 + 767 + 255)))
     classifier.write(SHORT, network(5))
-    verdicts = classifier.feed(decisions(of_one_slot(256 + 767 + 256)))
+    verdicts = classifier.feed(owned(of_one_slot(256 + 767 + 256)))
     assert [(int(one["seq"]), int(one["windows"])) for one in verdicts] == [(2 * (256 + 767) + 255 + 255, 1)]
 
 
@@ -162,8 +159,3 @@ def test_a_network_of_another_shape_is_refused() -> None:
 def test_a_register_outside_its_range_is_refused(name: str, value: int) -> None:
     with pytest.raises(ConfigError, match=rf"recognition.{name} = {value}: must be an integer from"):
         RecognitionRegisters(**{name: value})
-
-
-def test_decisions_without_visible_are_refused() -> None:
-    with pytest.raises(ConfigError, match="decisions have no `visible`"):
-        list(Windows(SHORT, 1, REL_W).feed(decisions(of_one_slot(1))._replace(visible=np.zeros(0, np.bool_))))

@@ -50,12 +50,13 @@ def assert_equals_slow(
     config: MotionConfig, events: TickedEvents, keep: NDArray[np.bool_] | None = None
 ) -> tuple[Decisions, SlowArray]:
     """Owner for owner and record for record."""
-    decided = MotionModel(config).feed(events, keep)
+    model = MotionModel(config)
+    decided = model.feed(events, keep)
     shape = config.shape
     slow = SlowArray(config.registers, shape.n_slots, (1 << shape.sup_w) - 1, (1 << shape.id_w) - 1)
     feed_slow(slow, events, keep)
     assert decided.owner.tolist() == slow.owners
-    assert decided.visible.tolist() == slow.of_tracks
+    assert model.visible.tolist() == slow.of_tracks
     assert as_tuples(decided.records) == slow.records
     return decided, slow
 
@@ -124,7 +125,7 @@ def test_the_scenes_show_every_kind_of_record_and_shared_events() -> None:
 
 
 def same(a: Decisions, b: Decisions) -> None:
-    for name in ("records", "owner", "rel_x", "rel_y", "visible"):
+    for name in Decisions._fields:
         assert np.array_equal(getattr(a, name), getattr(b, name)), name
 
 
