@@ -435,6 +435,8 @@ def test_a_run_of_nothing_opens_and_says_what_is_missing(browser: Any, tmp_path:
     for key in ("Space", "m", "e", "1", "j", "f", "z", "/", "End"):
         opened.page.keyboard.press(key)
     assert opened.page.locator("#empty").is_visible()
+    steps = opened.page.locator("#what option:enabled").all_inner_texts()
+    assert (steps, opened.page.locator("#what").input_value()) == (["event", "update"], "event")
     opened.page.locator("#tab-run").click()
     opened.page.get_by_role("button", name="What to do").click()
     assert "A recording of 50 ms at least" in opened.page.locator("#panel-missing").inner_text()
