@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which owned events count, when windows close, and the queue of closed windows: rules W and Q of docs/recognition.md.
+//
+// An event is decided in the clock in which it is offered. The queue is a ring with four pointers, in this order: windows leave it at
+// `released_to` (rule Q2), have been evaluated up to `evaluated_to`, can be evaluated up to `settled_to`, and enter at `closed_to`.
+//
+// Latency:    none from s_ to `counts`, `first`, `young` and `closes`; SETTLE + 1 clocks from a closing event to head_valid.
+// Throughput: 1 event per clock.
+// Stall:      none.
+// Reset:      all slots are fresh, the queue is empty. Counts and the contents of the queue are not reset.
+// Combinational paths: from s_ to `counts`, `first`, `young` and `closes`.
+`default_nettype none
+
+module classifier_windows #(
+    parameter N_SLOTS = 8,
+    parameter ID_W    = 16,  // bits of a track id
+    parameter SEQ_W   = 32,  // bits of an event's number
+    parameter SETTLE  = 12,  // clocks after which the closing event is in the image
+    parameter SLOT_W  = (N_SLOTS > 1) ? $clog2(N_SLOTS) : 1  // derived: leave it alone
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    // registers; restart: all windows begin anew, while `quiet`
+    input  wire              restart,
+    input  wire              enable,
+    input  wire [3:0]        window_log2,
+    output wire              quiet,        // no window waits for its evaluation
+
+    // owned events
+    input  wire              s_valid,
+    input  wire [SLOT_W-1:0] s_slot,
+    input  wire              s_visible,
+    input  wire [ID_W-1:0]   s_id,
+    input  wire [SEQ_W-1:0]  s_seq,
+    output wire              counts,
+    output wire              first,        // of its window
+    output wire              young,        // in the first window of its track: stage 0
+
+    // the first window to evaluate
+    output wire              head_valid,
+    output wire [SLOT_W-1:0] head_slot,
+    output wire              head_young,
+    output wire [ID_W-1:0]   head_id,
+    output wire [SEQ_W-1:0]  head_seq,
+    input  wire              head_done     // it has been evaluated
+);
+
+    parameter_check #(.OK(N_SLOTS >= 1 && N_SLOTS <= 64)) N_SLOTS_must_be_1_to_64 ();
+    parameter_check #(.OK(SETTLE >= 2)) SETTLE_must_be_at_least_2 ();
+    parameter_check #(.OK(SLOT_W == ((N_SLOTS > 1) ? $clog2(N_SLOTS) : 1))) SLOT_W_must_be_left_at_its_default ();
+
+    localparam [9:0] SERVICE_EVENTS = 10'd768;  // owned events after which a window has been evaluated
+
+    // ---- state of the slots ------------------------------------------------------------------------------------------
+
+    reg [N_SLOTS-1:0] fresh;
+    reg [N_SLOTS-1:0] pending;
+    reg [N_SLOTS-1:0] is_open;   // count > 0
+    reg [N_SLOTS-1:0] is_young;
+    reg [11:0]        count [0:N_SLOTS-1];  // of open windows
+
+    reg [SLOT_W:0]    released_to, evaluated_to, settled_to, closed_to;
+    reg [9:0]         busy;
+    reg [SETTLE-1:0]  settling;  // windows that closed so many clocks ago
+    wire [SLOT_W-1:0] released_slot;
+
+    wire waits    = released_to != closed_to;
+    wire releases = s_valid && waits && busy == 10'd1;
+    wire paused   = pending[s_slot] && !(releases && released_slot == s_slot);
+
+    assign counts = s_valid && enable && s_visible && !paused;
+    assign first  = !is_open[s_slot];
+    assign young  = first ? fresh[s_slot] || is_young[s_slot] : is_young[s_slot];
+
+    // K - 1 has as many ones as window_log2 says, at least 8.
+    wire [3:0]  beyond      = {window_log2 < 4'd12, window_log2 < 4'd11, window_log2 < 4'd10, window_log2 < 4'd9};
+    wire [11:0] count_now   = first ? 12'd0 : count[s_slot];
+    wire        closes      = counts && &{count_now[11:8] | beyond, count_now[7:0]};
+    wire        is_next     = evaluated_to != settled_to;
+
+    assign quiet      = evaluated_to == closed_to && !closes;
+    assign head_valid = is_next;
+
+    always @(posedge clk) begin
+        if (counts) count[s_slot] <= count_now + 12'd1;
+    end
+
+    always @(posedge clk) begin
+        if (s_valid) busy <= (releases || !waits) ? SERVICE_EVENTS : busy - 10'd1;
+        if (releases) begin
+            pending[released_slot] <= 1'b0;
+            released_to            <= released_to + 1'b1;
+        end
+        if (head_done) begin
+            is_young[head_slot] <= 1'b0;
+            evaluated_to        <= evaluated_to + 1'b1;
+        end
+        if (counts) begin
+            is_open[s_slot] <= !closes;
+            fresh[s_slot]   <= 1'b0;
+            if (first && fresh[s_slot]) is_young[s_slot] <= 1'b1;
+        end
+        if (s_valid && !s_visible) begin
+            is_open[s_slot] <= 1'b0;
+            fresh[s_slot]   <= 1'b1;
+        end
+        if (closes) begin
+            pending[s_slot] <= 1'b1;
+            closed_to       <= closed_to + 1'b1;
+        end
+        settling <= {settling[SETTLE-2:0], closes};
+        if (settling[SETTLE-1]) settled_to <= settled_to + 1'b1;
+        if (restart || rst) begin
+            fresh       <= {N_SLOTS{1'b1}};
+            pending     <= {N_SLOTS{1'b0}};
+            is_open     <= {N_SLOTS{1'b0}};
+            is_young    <= {N_SLOTS{1'b0}};
+            released_to <= closed_to;
+        end
+        if (rst) begin
+            released_to  <= {(SLOT_W + 1) {1'b0}};
+            evaluated_to <= {(SLOT_W + 1) {1'b0}};
+            settled_to   <= {(SLOT_W + 1) {1'b0}};
+            closed_to    <= {(SLOT_W + 1) {1'b0}};
+            settling     <= {SETTLE{1'b0}};
+        end
+    end
+
+    // ---- the queue ---------------------------------------------------------------------------------------------------
+
+    localparam DEPTH = 1 << SLOT_W;
+
+    reg [SLOT_W+ID_W+SEQ_W:0] queue [0:DEPTH-1];
+    reg [SLOT_W-1:0]          release_queue [0:DEPTH-1];  // its slots once more, for the second reader
+
+    assign {head_young, head_slot, head_id, head_seq} = queue[evaluated_to[SLOT_W-1:0]];
+    assign released_slot = release_queue[released_to[SLOT_W-1:0]];
+
+    always @(posedge clk) begin
+        if (closes) begin
+            queue[closed_to[SLOT_W-1:0]]         <= {young, s_slot, s_id, s_seq};
+            release_queue[closed_to[SLOT_W-1:0]] <= s_slot;
+        end
+    end
+
+endmodule
+
+`default_nettype wire
