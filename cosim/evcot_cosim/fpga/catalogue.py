@@ -90,6 +90,7 @@ _TABLE = (
     Module("cot_array", "cot_array", _TICK, _SIZES, (8, 32), "record"),
     Module("cot_array_narrow", "cot_array", _NARROW, (8,), (8,), "record"),
     Module("cot_motion", "cot_motion", _TICK, _SIZES, (8,)),
+    Module("classifier", "classifier", {}, (4, 8, 16), (8,)),
     Module("cot_published_chain", "cot_published_chain", answer="centre"),
     Module("filter_region", "filter_region", _SMALL, answer="token"),
     Module("filter_polarity", "filter_polarity", _SMALL, answer="token"),

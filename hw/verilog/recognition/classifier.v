@@ -19,13 +19,13 @@
 `include "evcot_defs.vh"
 
 module classifier #(
-    parameter N_SLOTS  = 8,   // of the tracker
+    parameter N  = 8,   // of the tracker
     parameter RADIX_W  = 8,   // two less than the bits of a relative address
     parameter ID_W     = 16,  // bits of a track id
     parameter SEQ_W    = 32,  // bits of an event's number
     parameter VERDICTS = 4,   // that wait
-    parameter SLOT_W   = (N_SLOTS > 1) ? $clog2(N_SLOTS) : 1,  // derived: leave it alone
-    parameter ROW_W    = (N_SLOTS > 16) ? 11 : 10              // derived: leave it alone
+    parameter SLOT_W   = (N > 1) ? $clog2(N) : 1,  // derived: leave it alone
+    parameter ROW_W    = (N > 16) ? 11 : 10              // derived: leave it alone
 ) (
     input  wire               clk,
     input  wire               rst,
@@ -67,13 +67,13 @@ module classifier #(
     output wire               idle        // no event and no verdict is inside; windows may be open
 );
 
-    parameter_check #(.OK(N_SLOTS >= `EVCOT_N_SLOTS_MIN && N_SLOTS <= `EVCOT_N_SLOTS_MAX)) N_SLOTS_must_be_1_to_64 ();
+    parameter_check #(.OK(N >= `EVCOT_N_SLOTS_MIN && N <= `EVCOT_N_SLOTS_MAX)) N_must_be_1_to_64 ();
     parameter_check #(.OK(RADIX_W >= `EVCOT_RADIX_W_MIN && RADIX_W <= `EVCOT_RADIX_W_MAX)) RADIX_W_must_be_1_to_12 ();
     parameter_check #(.OK(ID_W >= `EVCOT_ID_W_MIN && ID_W <= `EVCOT_ID_W_MAX)) ID_W_must_be_1_to_32 ();
     parameter_check #(.OK(SEQ_W >= `EVCOT_SEQ_W_MIN && SEQ_W <= `EVCOT_SEQ_W_MAX)) SEQ_W_must_be_8_to_48 ();
     parameter_check #(.OK(VERDICTS >= 1)) VERDICTS_must_be_at_least_1 ();
-    parameter_check #(.OK(SLOT_W == ((N_SLOTS > 1) ? $clog2(N_SLOTS) : 1))) SLOT_W_must_be_left_at_its_default ();
-    parameter_check #(.OK(ROW_W == ((N_SLOTS > 16) ? 11 : 10))) ROW_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(ROW_W == ((N > 16) ? 11 : 10))) ROW_W_must_be_left_at_its_default ();
 
     localparam REL_W = RADIX_W + 2;
 
@@ -139,7 +139,7 @@ module classifier #(
     wire [SEQ_W-1:0]  window_seq;
 
     classifier_windows #(
-        .N_SLOTS(N_SLOTS),
+        .N(N),
         .ID_W   (ID_W),
         .SEQ_W  (SEQ_W)
     ) u_windows (
@@ -173,7 +173,7 @@ module classifier #(
     wire [2:0]        cell_lane;
 
     classifier_cell #(
-        .N_SLOTS(N_SLOTS),
+        .N(N),
         .REL_W  (REL_W)
     ) u_cell (
         .clk        (clk),
@@ -200,7 +200,7 @@ module classifier #(
     wire        filled;
 
     classifier_image #(
-        .N_SLOTS(N_SLOTS)
+        .N(N)
     ) u_image (
         .clk      (clk),
         .rst      (rst),
@@ -252,7 +252,7 @@ module classifier #(
     wire [7:0]  verdict_windows;
 
     classifier_evaluator #(
-        .N_SLOTS(N_SLOTS),
+        .N(N),
         .ROW_W  (ROW_W)
     ) u_evaluator (
         .clk        (clk),

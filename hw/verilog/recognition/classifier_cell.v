@@ -12,9 +12,9 @@
 `default_nettype none
 
 module classifier_cell #(
-    parameter N_SLOTS = 8,
+    parameter N = 8,
     parameter REL_W   = 10,  // bits of a relative address
-    parameter SLOT_W  = (N_SLOTS > 1) ? $clog2(N_SLOTS) : 1  // derived: leave it alone
+    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -41,20 +41,20 @@ module classifier_cell #(
     output wire [2:0]        m_lane
 );
 
-    parameter_check #(.OK(N_SLOTS >= 1)) N_SLOTS_must_be_at_least_1 ();
+    parameter_check #(.OK(N >= 1)) N_must_be_at_least_1 ();
     parameter_check #(.OK(REL_W >= 3 && REL_W <= 18)) REL_W_must_be_3_to_18 ();
-    parameter_check #(.OK(SLOT_W == ((N_SLOTS > 1) ? $clog2(N_SLOTS) : 1))) SLOT_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam LATENCY = 8;
     localparam SUM_W   = REL_W + 11;  // of a scaled address after two subtractions
 
     // ---- the normalisations ------------------------------------------------------------------------------------------
 
-    reg [10:0] off_u   [0:N_SLOTS-1];  // 2^-8 cells, signed
-    reg [11:0] scale_x [0:N_SLOTS-1];  // 2^-12 cells per half pixel
-    reg [10:0] off_v   [0:N_SLOTS-1];
-    reg [11:0] scale_y [0:N_SLOTS-1];
-    reg [7:0]  skew    [0:N_SLOTS-1];  // 2^-7 cells per cell, signed
+    reg [10:0] off_u   [0:N-1];  // 2^-8 cells, signed
+    reg [11:0] scale_x [0:N-1];  // 2^-12 cells per half pixel
+    reg [10:0] off_v   [0:N-1];
+    reg [11:0] scale_y [0:N-1];
+    reg [7:0]  skew    [0:N-1];  // 2^-7 cells per cell, signed
 
     always @(posedge clk) begin
         if (fit_field[0]) off_u[fit_slot]   <= fit_value[10:0];

@@ -18,9 +18,9 @@
 `default_nettype none
 
 module classifier_evaluator #(
-    parameter N_SLOTS = 8,
+    parameter N = 8,
     parameter ROW_W   = 10,  // bits of a row's number
-    parameter SLOT_W  = (N_SLOTS > 1) ? $clog2(N_SLOTS) : 1  // derived: leave it alone
+    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -64,9 +64,9 @@ module classifier_evaluator #(
     output wire [7:0]        m_windows
 );
 
-    parameter_check #(.OK(N_SLOTS >= 1 && N_SLOTS <= 64)) N_SLOTS_must_be_1_to_64 ();
-    parameter_check #(.OK(ROW_W == ((N_SLOTS > 16) ? 11 : 10))) ROW_W_must_be_10_for_up_to_16_slots_else_11 ();
-    parameter_check #(.OK(SLOT_W == ((N_SLOTS > 1) ? $clog2(N_SLOTS) : 1))) SLOT_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(N >= 1 && N <= 64)) N_must_be_1_to_64 ();
+    parameter_check #(.OK(ROW_W == ((N > 16) ? 11 : 10))) ROW_W_must_be_10_for_up_to_16_slots_else_11 ();
+    parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam [5:0] HIDDEN_FIRST = 6'd5;   // units: moments before it,
     localparam [5:0] OUTPUT_LAST  = 6'd37;  // and behind the last hidden one the last weights of the second layer
@@ -126,7 +126,7 @@ module classifier_evaluator #(
     end
 
     // The rows of slots are the last ones.
-    wire [ROW_W-1:0] rows_of_slots = (N_SLOTS > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}};
+    wire [ROW_W-1:0] rows_of_slots = (N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}};
 
     function [ROW_W-1:0] slot_row;
         input [3:0] index;

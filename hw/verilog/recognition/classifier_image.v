@@ -13,8 +13,8 @@
 `default_nettype none
 
 module classifier_image #(
-    parameter N_SLOTS = 8,
-    parameter SLOT_W  = (N_SLOTS > 1) ? $clog2(N_SLOTS) : 1  // derived: leave it alone
+    parameter N = 8,
+    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -33,8 +33,8 @@ module classifier_image #(
     output wire              filled      // low: all cells of the word are 0, whatever `cells` says
 );
 
-    parameter_check #(.OK(N_SLOTS >= 1)) N_SLOTS_must_be_at_least_1 ();
-    parameter_check #(.OK(SLOT_W == ((N_SLOTS > 1) ? $clog2(N_SLOTS) : 1))) SLOT_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(N >= 1)) N_must_be_at_least_1 ();
+    parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam WORDS  = 18;
     localparam ADDR_W = SLOT_W + 5;
@@ -42,7 +42,7 @@ module classifier_image #(
 
     // ---- words written in this window --------------------------------------------------------------------------------
 
-    reg [WORDS-1:0] written [0:N_SLOTS-1];
+    reg [WORDS-1:0] written [0:N-1];
 
     wire [WORDS-1:0] before    = s_first ? {WORDS{1'b0}} : written[s_slot];
     wire [WORDS-1:0] this_word = {{(WORDS - 1) {1'b0}}, 1'b1} << s_word;

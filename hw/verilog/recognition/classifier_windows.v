@@ -12,11 +12,11 @@
 `default_nettype none
 
 module classifier_windows #(
-    parameter N_SLOTS = 8,
+    parameter N = 8,
     parameter ID_W    = 16,  // bits of a track id
     parameter SEQ_W   = 32,  // bits of an event's number
     parameter SETTLE  = 12,  // clocks after which the closing event is in the image
-    parameter SLOT_W  = (N_SLOTS > 1) ? $clog2(N_SLOTS) : 1  // derived: leave it alone
+    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -46,19 +46,19 @@ module classifier_windows #(
     input  wire              head_done     // it has been evaluated
 );
 
-    parameter_check #(.OK(N_SLOTS >= 1 && N_SLOTS <= 64)) N_SLOTS_must_be_1_to_64 ();
+    parameter_check #(.OK(N >= 1 && N <= 64)) N_must_be_1_to_64 ();
     parameter_check #(.OK(SETTLE >= 2)) SETTLE_must_be_at_least_2 ();
-    parameter_check #(.OK(SLOT_W == ((N_SLOTS > 1) ? $clog2(N_SLOTS) : 1))) SLOT_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam [9:0] SERVICE_EVENTS = 10'd768;  // owned events after which a window has been evaluated
 
     // ---- state of the slots ------------------------------------------------------------------------------------------
 
-    reg [N_SLOTS-1:0] fresh;
-    reg [N_SLOTS-1:0] pending;
-    reg [N_SLOTS-1:0] is_open;   // count > 0
-    reg [N_SLOTS-1:0] is_young;
-    reg [11:0]        count [0:N_SLOTS-1];  // of open windows
+    reg [N-1:0] fresh;
+    reg [N-1:0] pending;
+    reg [N-1:0] is_open;   // count > 0
+    reg [N-1:0] is_young;
+    reg [11:0]        count [0:N-1];  // of open windows
 
     reg [SLOT_W:0]    released_to, evaluated_to, settled_to, closed_to;
     reg [9:0]         busy;
@@ -112,10 +112,10 @@ module classifier_windows #(
         settling <= {settling[SETTLE-2:0], closes};
         if (settling[SETTLE-1]) settled_to <= settled_to + 1'b1;
         if (restart || rst) begin
-            fresh       <= {N_SLOTS{1'b1}};
-            pending     <= {N_SLOTS{1'b0}};
-            is_open     <= {N_SLOTS{1'b0}};
-            is_young    <= {N_SLOTS{1'b0}};
+            fresh       <= {N{1'b1}};
+            pending     <= {N{1'b0}};
+            is_open     <= {N{1'b0}};
+            is_young    <= {N{1'b0}};
             released_to <= closed_to;
         end
         if (rst) begin
