@@ -3,7 +3,7 @@
 //
 // Rows of the weights, each read with a word of the image, 18 to a unit: units 0 to 4 are the moments of the fit, whose weights are
 // constants, units 5 to 36 the hidden layer. Every sum comes out of classifier_sum.v. One multiplier more corrects the normalisation
-// with the moments, and then multiplies hidden units with the second layer's weights, the ninth of the rows 5 to 14 after the unit's.
+// with the moments, and then multiplies hidden units with the second layer's weights, the ninth of the last ten rows of the next unit.
 // One shifter serves shift_1, shift_2 and the fit. After a moment the field that it corrects is read; it and the votes are in the
 // rows of the slot, behind the weights.
 //
@@ -71,7 +71,7 @@ module classifier_evaluator #(
     localparam [5:0] HIDDEN_FIRST = 6'd5;   // units: moments before it,
     localparam [5:0] OUTPUT_LAST  = 6'd37;  // and behind the last hidden one the last weights of the second layer
     localparam [4:0] WORD_LAST    = 5'd17;  // of an image
-    localparam [4:0] NINTH_FIRST  = 5'd5, NINTH_LAST = 5'd14;  // words with weights of the hidden unit before
+    localparam [4:0] NINTH_FIRST  = 5'd8, NINTH_LAST = 5'd17;  // words with weights of the hidden unit before
     localparam [3:0] KEPT_FIELDS  = 4'd10;  // rows of a slot: votes, fields, and the number of windows in the vote
     localparam [3:0] KEPT_VOTED   = 4'd15;
     localparam [7:0] VOTED_MAX    = 8'd128;
@@ -92,7 +92,6 @@ module classifier_evaluator #(
 
     wire in_moment   = unit < HIDDEN_FIRST;
     wire on_field    = word_reg == WORD_LAST + 5'd1;  // after the words of a moment
-    wire unit_ends   = in_moment ? on_field : word_reg == WORD_LAST;
     wire rows_end    = (s_young && unit == HIDDEN_FIRST - 6'd1 && on_field) || (unit == OUTPUT_LAST && word_reg == NINTH_LAST);
     wire is_class    = in_votes && !s_young && step >= STEP_CLASS && step <= STEP_LAST;
     wire [3:0] class_0     = step[3:0] - STEP_CLASS[3:0];
@@ -104,7 +103,7 @@ module classifier_evaluator #(
         if (in_rows) begin
             word_reg <= word_reg + 5'd1;
             if (!on_field) row_reg <= row_reg + 1'b1;
-            if (unit_ends) begin
+            if (on_field) begin
                 word_reg <= 5'd0;
                 unit     <= unit + 6'd1;
             end
@@ -140,11 +139,11 @@ module classifier_evaluator #(
 
     // ---- what is under way, by cycle ---------------------------------------------------------------------------------
 
-    reg [2:1] adds, begins;       // rows
-    reg [6:1] ends_moment;
-    reg [7:1] ends_hidden;
+    reg [2:1] adds, begins;       // rows of a sum
+    reg [8:1] ends_moment;
+    reg [9:1] ends_hidden;
     reg [2:1] reads_field;
-    reg [10:7] fits;
+    reg [12:9] fits;
     reg [4:1] multiplies;         // with weights of the second layer
     reg [2:1] reads_voted;
     reg [3:1] is_class_d;
@@ -155,18 +154,18 @@ module classifier_evaluator #(
 
     always @(posedge clk) begin
         adds        <= {adds[1], in_rows && !on_field};
-        begins      <= {begins[1], word_reg == 5'd0};
-        ends_moment <= {ends_moment[5:1], in_rows && in_moment && word_reg == WORD_LAST};
-        ends_hidden <= {ends_hidden[6:1], in_rows && !in_moment && word_reg == WORD_LAST};
+        begins      <= {begins[1], on_field};
+        ends_moment <= {ends_moment[7:1], in_rows && in_moment && word_reg == WORD_LAST};
+        ends_hidden <= {ends_hidden[8:1], in_rows && !in_moment && word_reg == WORD_LAST};
         reads_field <= {reads_field[1], in_rows && on_field};
-        fits        <= {fits[9:7], ends_moment[6]};
+        fits        <= {fits[11:9], ends_moment[8]};
         multiplies  <= {multiplies[3:1], is_ninth};
         reads_voted <= {reads_voted[1], in_votes && step == 5'd0};
         is_class_d  <= {is_class_d[2:1], is_class};
         class_d     <= {class_d[7:0], class_0};
         if (rst) begin
             fits        <= 4'd0;
-            ends_moment <= 6'd0;
+            ends_moment <= 8'd0;
             is_class_d  <= 3'd0;
         end
     end
@@ -197,7 +196,7 @@ module classifier_evaluator #(
     classifier_sum u_sum (
         .clk      (clk),
         .s_valid  (adds[2] && filled),
-        .s_first  (begins[2]),
+        .s_begin  (begins[2]),
         .s_weights(weights),
         .s_cells  (cells),
         .sum      (sum)
@@ -206,7 +205,7 @@ module classifier_evaluator #(
     wire limits = in_votes && step[4];  // the last class is read: the multiplier computes the least margin
 
     // Offsets and skew are corrected by their moment alone, in units that the shift after a scale's product suits too.
-    wire signed [12:0] factor = ends_moment[6] ? (after_scale ? {1'b0, field} : after_skew ? 13'sd256 : 13'sd1024)
+    wire signed [12:0] factor = ends_moment[8] ? (after_scale ? {1'b0, field} : after_skew ? 13'sd256 : 13'sd1024)
         : limits ? {5'd0, margin_min} : {{5{ninth[7]}}, ninth};
 
     multiplier #(
@@ -215,7 +214,7 @@ module classifier_evaluator #(
     ) u_product (
         .clk(clk),
         .a  (factor),
-        .b  (ends_moment[6] ? sum[15:0] : {8'd0, limits ? voted : amount}),
+        .b  (ends_moment[8] ? sum[15:0] : {8'd0, limits ? voted : amount}),
         .p  (product)
     );
 
@@ -228,9 +227,11 @@ module classifier_evaluator #(
     reg        [4:1]  adds_last;
     reg               is_most;      // score_now counts for the largest
 
-    wire        [3:0]  scored   = ninth_class[15:12];
-    wire signed [20:0] score_next = (adds_first[4] ? 21'sd0 : score[scored]) + {{5{product[15]}}, product[15:0]};
-    wire signed [21:0] distance = {score_most[20], score_most} - {score[class_0][20], score[class_0]};
+    // One read port: of the class whose product comes, or of the one that is voted for.
+    wire        [3:0]  scored = ninth_class[15:12];
+    wire signed [20:0] score_read = score[multiplies[4] ? scored : class_0];
+    wire signed [20:0] score_next = (adds_first[4] ? 21'sd0 : score_read) + {{5{product[15]}}, product[15:0]};
+    wire signed [21:0] distance = {score_most[20], score_most} - {score_read[20], score_read};
 
     always @(posedge clk) begin
         ninth_class <= {ninth_class[15:0], ninth_0};
@@ -245,12 +246,12 @@ module classifier_evaluator #(
     // ---- the shifter -------------------------------------------------------------------------------------------------
 
     reg signed [21:0] shifted;
-    wire signed [21:0] to_shift = fits[8] ? {{3{product[28]}}, product[28:10]} : is_class ? distance : {{2{sum[19]}}, sum};
-    wire        [3:0]  shift    = fits[8] ? fit_shift : is_class ? shift_2 : shift_1;
+    wire signed [21:0] to_shift = fits[10] ? {{3{product[28]}}, product[28:10]} : is_class ? distance : {{2{sum[19]}}, sum};
+    wire        [3:0]  shift    = fits[10] ? fit_shift : is_class ? shift_2 : shift_1;
 
     always @(posedge clk) begin
         shifted <= to_shift >>> shift;
-        if (ends_hidden[7] || is_class_d[1]) begin
+        if (ends_hidden[9] || is_class_d[1]) begin
             amount <= shifted[21] ? 8'd0 : |shifted[20:8] ? 8'd255 : shifted[7:0];
         end
     end
@@ -273,7 +274,7 @@ module classifier_evaluator #(
     genvar f;
     generate
         for (f = 0; f < 5; f = f + 1) begin : g_field
-            assign fit_field[f] = fits[10] && unit == f + 1;
+            assign fit_field[f] = fits[12] && unit == f + 1;
         end
     endgenerate
 
@@ -305,9 +306,9 @@ module classifier_evaluator #(
         .margin (m_margin)
     );
 
-    assign keep       = fits[10] || is_class_d[3] || s_done;
-    assign keep_row   = slot_row(fits[10] ? field_index - 4'd1 : is_class_d[3] ? class_d[11:8] : KEPT_VOTED);
-    assign keep_value = fits[10] ? {3'd0, field_reg} : is_class_d[3] ? vote : s_young ? 15'd0 : {7'd0, voted};
+    assign keep       = fits[12] || is_class_d[3] || s_done;
+    assign keep_row   = slot_row(fits[12] ? field_index - 4'd1 : is_class_d[3] ? class_d[11:8] : KEPT_VOTED);
+    assign keep_value = fits[12] ? {3'd0, field_reg} : is_class_d[3] ? vote : s_young ? 15'd0 : {7'd0, voted};
 
     assign m_valid   = s_done && !s_young;
     assign m_class   = ({1'b0, m_margin} < product[15:0]) ? 4'd15 : winner;

@@ -46,6 +46,7 @@ module classifier_image #(
 
     wire [WORDS-1:0] before    = s_first ? {WORDS{1'b0}} : written[s_slot];
     wire [WORDS-1:0] this_word = {{(WORDS - 1) {1'b0}}, 1'b1} << s_word;
+    wire [WORDS-1:0] was_written = before >> s_word;
     wire [WORDS-1:0] to_read   = written[read_slot] >> read_word;
 
     always @(posedge clk) begin
@@ -56,13 +57,20 @@ module classifier_image #(
 
     reg [4:1]        valid;      // by the clocks since s_
     reg [ADDR_W-1:0] address_1, address_2, address_3, address_4;
-    reg [2:0]        lane_1, lane_2;
-    reg              keeps_1, keeps_2;
-    reg [3:1]        forwards;   // the word of the event so many clocks before
-    reg [31:0]       word_3, word_4, word_5;
+    reg [2:0]        lane_1;
+    reg [7:0]        adds_2;     // one bit per lane
+    reg              keeps_1;
+    reg              same_2;     // the word of the event before
+    reg              stored_2;   // a word of the memory
+    reg [31:0]       older_2;    // a word that one of the two events before that one has written
+    reg [31:0]       word_3, word_4;
     wire [31:0]      word_read;
 
-    wire [31:0] word_2 = !keeps_2 ? 32'd0 : forwards[1] ? word_3 : forwards[2] ? word_4 : forwards[3] ? word_5 : word_read;
+    wire same_as_2 = valid[2] && address_2 == address_1;
+    wire same_as_3 = valid[3] && address_3 == address_1;
+    wire same_as_4 = valid[4] && address_4 == address_1;
+
+    wire [31:0] word_2 = same_2 ? word_3 : stored_2 ? word_read : older_2;
     reg  [31:0] word_next;
 
     always @* begin : count
@@ -70,7 +78,7 @@ module classifier_image #(
         k = 0;  // on every path, or it would be a latch
         word_next = word_2;
         for (k = 0; k < 8; k = k + 1) begin
-            if (lane_2 == k[2:0] && word_2[4*k +: 4] != 4'd15) word_next[4*k +: 4] = word_2[4*k +: 4] + 4'd1;
+            if (adds_2[k] && word_2[4*k +: 4] != 4'd15) word_next[4*k +: 4] = word_2[4*k +: 4] + 4'd1;
         end
     end
 
@@ -81,13 +89,14 @@ module classifier_image #(
         address_3 <= address_2;
         address_4 <= address_3;
         lane_1    <= s_lane;
-        lane_2    <= lane_1;
-        keeps_1   <= |(before & this_word);
-        keeps_2   <= keeps_1;
-        forwards  <= {valid[4] && address_4 == address_1, valid[3] && address_3 == address_1, valid[2] && address_2 == address_1};
+        adds_2    <= 8'd1 << lane_1;
+        keeps_1   <= was_written[0];
+        same_2    <= keeps_1 && same_as_2;
+        stored_2  <= keeps_1 && !same_as_3 && !same_as_4;
+        older_2   <= same_as_3 ? word_3 : word_4;
+        if (!keeps_1) older_2 <= 32'd0;
         word_3    <= word_next;
         word_4    <= word_3;
-        word_5    <= word_4;
         if (rst) valid <= 4'd0;
     end
 
@@ -130,7 +139,7 @@ module classifier_image #(
         .read_data    (cells)
     );
 
-    wire unused = &{1'b0, to_read[WORDS-1:1]};
+    wire unused = &{1'b0, to_read[WORDS-1:1], was_written[WORDS-1:1]};
 
 endmodule
 

@@ -54,15 +54,18 @@ module classifier_windows #(
 
     // ---- state of the slots ------------------------------------------------------------------------------------------
 
-    reg [N-1:0] fresh;
-    reg [N-1:0] pending;
-    reg [N-1:0] is_open;   // count > 0
-    reg [N-1:0] is_young;
-    reg [11:0]        count [0:N-1];  // of open windows
+    // A slot without events since the last restart is fresh, whatever its memory says.
+    reg [N-1:0]  used;
+    reg [N-1:0]  pending;
+    reg [14:0]   state [0:N-1];
+    wire         was_fresh, was_open, was_young;  // open: count > 0
+    wire [11:0]  count;
 
-    reg [SLOT_W:0]    released_to, evaluated_to, settled_to, closed_to;
-    reg [9:0]         busy;
-    reg [SETTLE-1:0]  settling;  // windows that closed so many clocks ago
+    assign {was_fresh, was_open, was_young, count} = state[s_slot];
+
+    reg  [SLOT_W:0]   released_to, evaluated_to, settled_to, closed_to;
+    reg  [9:0]        busy;
+    reg  [SETTLE-1:0] settling;  // windows that closed so many clocks ago
     wire [SLOT_W-1:0] released_slot;
 
     wire waits    = released_to != closed_to;
@@ -70,20 +73,22 @@ module classifier_windows #(
     wire paused   = pending[s_slot] && !(releases && released_slot == s_slot);
 
     assign counts = s_valid && enable && s_visible && !paused;
-    assign first  = !is_open[s_slot];
-    assign young  = first ? fresh[s_slot] || is_young[s_slot] : is_young[s_slot];
+    assign first  = !(used[s_slot] && was_open);
+    assign young  = first ? !used[s_slot] || was_fresh : was_young;
 
     // K - 1 has as many ones as window_log2 says, at least 8.
-    wire [3:0]  beyond      = {window_log2 < 4'd12, window_log2 < 4'd11, window_log2 < 4'd10, window_log2 < 4'd9};
-    wire [11:0] count_now   = first ? 12'd0 : count[s_slot];
-    wire        closes      = counts && &{count_now[11:8] | beyond, count_now[7:0]};
-    wire        is_next     = evaluated_to != settled_to;
+    wire [3:0]  beyond    = {window_log2 < 4'd12, window_log2 < 4'd11, window_log2 < 4'd10, window_log2 < 4'd9};
+    wire [11:0] count_now = first ? 12'd0 : count;
+    wire        full      = &{count_now[11:8] | beyond, count_now[7:0]};
+    wire        closes    = counts && full;
 
     assign quiet      = evaluated_to == closed_to && !closes;
-    assign head_valid = is_next;
+    assign head_valid = evaluated_to != settled_to;
 
     always @(posedge clk) begin
-        if (counts) count[s_slot] <= count_now + 12'd1;
+        if (counts || (s_valid && !s_visible)) begin
+            state[s_slot] <= {!s_visible, s_visible && !full, young, count_now + 12'd1};
+        end
     end
 
     always @(posedge clk) begin
@@ -92,30 +97,17 @@ module classifier_windows #(
             pending[released_slot] <= 1'b0;
             released_to            <= released_to + 1'b1;
         end
-        if (head_done) begin
-            is_young[head_slot] <= 1'b0;
-            evaluated_to        <= evaluated_to + 1'b1;
-        end
-        if (counts) begin
-            is_open[s_slot] <= !closes;
-            fresh[s_slot]   <= 1'b0;
-            if (first && fresh[s_slot]) is_young[s_slot] <= 1'b1;
-        end
-        if (s_valid && !s_visible) begin
-            is_open[s_slot] <= 1'b0;
-            fresh[s_slot]   <= 1'b1;
-        end
         if (closes) begin
             pending[s_slot] <= 1'b1;
             closed_to       <= closed_to + 1'b1;
         end
+        if (counts || (s_valid && !s_visible)) used[s_slot] <= 1'b1;
+        if (head_done) evaluated_to <= evaluated_to + 1'b1;
         settling <= {settling[SETTLE-2:0], closes};
         if (settling[SETTLE-1]) settled_to <= settled_to + 1'b1;
         if (restart || rst) begin
-            fresh       <= {N{1'b1}};
+            used        <= {N{1'b0}};
             pending     <= {N{1'b0}};
-            is_open     <= {N{1'b0}};
-            is_young    <= {N{1'b0}};
             released_to <= closed_to;
         end
         if (rst) begin

@@ -16,7 +16,7 @@ BANK_BITS = 18
 _LANES = 8  # weights of a row, for as many cells
 _WORDS = CELLS**2 // _LANES  # rows of a unit
 _MOMENTS = 5
-_NINTH_FIRST = 5  # row, of those of the next unit, with a unit's first weight of the second layer
+_NINTH_FIRST = 8  # row, of those of the next unit, with a unit's first weight of the second layer
 ROWS = (_MOMENTS + HIDDEN) * _WORDS + _NINTH_FIRST + 10
 
 REGISTER_ADDRESSES = {
