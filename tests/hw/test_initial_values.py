@@ -221,7 +221,8 @@ def test_a_filter_whose_clock_has_no_reset_is_noticed(tmp_path: Path, monkeypatc
 
 # Modules that are not within `evcot_top`: nothing depends on the values that registers have before the first reset.
 #
-# As in test_initial_values.py, in Icarus from X and in Verilator from random values; cot_published_chain has tests of its own.
+# As in test_initial_values.py, in Icarus from X and in Verilator from random values; cot_published_chain and classifier
+# have tests of their own.
 
 DIVISOR, CLOCKS = 4, 1_500
 
@@ -298,7 +299,7 @@ def meant(top: Top, row: Iterable[int]) -> dict[str, int]:
 
 
 def test_every_module_is_within_one_that_is_tested() -> None:
-    tops = ["evcot_top", "cot_published_chain", AER_OUT.module, UART_HOST.module, HOUGH_LINES.module]
+    tops = ["evcot_top", "cot_published_chain", "classifier", AER_OUT.module, UART_HOST.module, HOUGH_LINES.module]
     modules = {path.stem for path in rtl_files().values() if path.suffix == ".v"}
     assert modules == {*closure(tops), "async_fifo"}, "async_fifo has two clocks, and a test of its own in Icarus"
 

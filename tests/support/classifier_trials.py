@@ -8,8 +8,9 @@ from dataclasses import astuple, dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from evcot.hardware.contract import RECORD
 from evcot.hardware.model import Decisions
 from evcot.recognition.contract import CELLS, CLASSES_MAX, HIDDEN, RECOGNITION_RANGES, RecognitionRegisters
 from evcot.recognition.model import Classifier, Network
@@ -18,9 +19,12 @@ from evcot.recognition.weight_memory import REGISTER_ADDRESSES, memory_words
 from .stream_device import Bundle, StreamDevice, StreamRun
 
 __all__ = [
+    "VERDICT_FIELDS",
     "ClassifierTrial",
     "OwnedEvents",
+    "candidate",
     "joined",
+    "model_verdicts",
     "object_events",
     "random_network",
     "random_owned",
@@ -45,7 +49,9 @@ class OwnedEvents(NamedTuple):
     id: NDArray[np.int64]
 
     def part(self, begin: int, end: int) -> OwnedEvents:
-        return OwnedEvents(*(column[begin:end] for column in self))
+        return OwnedEvents(
+            self.slot[begin:end], self.dx[begin:end], self.dy[begin:end], self.visible[begin:end], self.id[begin:end]
+        )
 
 
 @dataclass
@@ -114,7 +120,7 @@ class ClassifierTrial:
         seq = (self._seq + np.arange(len(events.slot))) % (1 << min(self.seq_w, 63))
         mask = (1 << self.rel_w) - 1
         columns = (events.slot, events.dx & mask, events.dy & mask, events.visible, events.id, seq)
-        words = {
+        words: dict[str, ArrayLike] = {
             "s_": np.stack([np.asarray(column, np.uint64) for column in columns], axis=1),
             "cfg_": [(REGISTER_ADDRESSES[name], value) for name, value in writes],
             "weight_": np.zeros((0, 2), np.int64) if weights is None else weights,
@@ -136,7 +142,7 @@ class ClassifierTrial:
         """The model's verdicts: a write takes effect before the event of the clock in which it is accepted."""
         state = self._state
         cuts = np.searchsorted(done.accepted["s_"], done.accepted["cfg_"]).tolist()
-        rows = [self._verdicts(events.part(0, (cuts + [len(seq)])[0]), seq)]
+        rows = [self._verdicts(events.part(0, cuts[0] if cuts else len(seq)), seq)]
         for n, (name, value) in enumerate(writes):
             if name == "enable":
                 state.enable = bool(value)
@@ -160,14 +166,30 @@ class ClassifierTrial:
         """Verdicts of events between two writes."""
         if self._classifier is None or not len(events.slot):
             return np.zeros((0, len(VERDICT_FIELDS)), np.int64)
-        mask = (1 << self.rel_w) - 1
-        rel_x, rel_y = ((column & mask).astype(np.uint16) for column in (events.dx, events.dy))
-        decided = Decisions(np.zeros(0), events.slot.astype(np.int16), rel_x, rel_y, events.visible)
-        found = self._classifier.feed(decided)
-        at = found["seq"].astype(np.int64) - self._before
+        found = verdicts_of(self._classifier, self.rel_w, events)
+        at = found[:, 2] - self._before
         self._before += len(events.slot)
-        columns = (found["slot"], events.id[at], seq[at], found["class"], found["margin"], found["windows"])
-        return np.stack([np.asarray(column, np.int64) for column in columns], axis=1)
+        found[:, 1], found[:, 2] = events.id[at], seq[at]
+        return found
+
+
+def verdicts_of(classifier: Classifier, rel_w: int, events: OwnedEvents) -> NDArray[np.int64]:
+    """Verdicts of the golden model, without ids; `seq` counts all of its events."""
+    rel_x, rel_y = ((column & ((1 << rel_w) - 1)).astype(np.uint16) for column in (events.dx, events.dy))
+    decided = Decisions(np.zeros(0, RECORD), events.slot.astype(np.int16), rel_x, rel_y, events.visible)
+    found = classifier.feed(decided)
+    none = np.zeros(len(found), np.int64)
+    columns = (found["slot"], none, found["seq"], found["class"], found["margin"], found["windows"])
+    return np.stack([column.astype(np.int64) for column in columns], axis=1)
+
+
+def model_verdicts(
+    registers: RecognitionRegisters, network: Network, events: OwnedEvents, n_slots: int = 8, rel_w: int = 10
+) -> NDArray[np.int64]:
+    """Verdicts of the golden model on events from the first on."""
+    found = verdicts_of(Classifier(registers, network, n_slots, rel_w), rel_w, events)
+    found[:, 1] = events.id[found[:, 2]]
+    return found
 
 
 def assert_same(got: NDArray[np.int64], wanted: NDArray[np.int64]) -> None:
@@ -237,3 +259,9 @@ def random_owned(rng: np.random.Generator, n: int, n_slots: int, rel_w: int, fli
 def joined(parts: Sequence[OwnedEvents]) -> OwnedEvents:
     """One after the other."""
     return OwnedEvents(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def candidate(slot: int, n: int = 1) -> OwnedEvents:
+    """Events of an owner that is not visible."""
+    zeros = np.zeros(n, np.int64)
+    return OwnedEvents(np.full(n, slot), zeros, zeros, zeros.astype(bool), zeros)

@@ -9,7 +9,7 @@
 // effect before the event of the clock in which it is accepted. Weights can be written and read while `enable` is 0, else weight_ready
 // is low. Verdicts wait in a queue; one that finds it full is lost, which `lost` says for a clock.
 //
-// Latency:    from the event that closes a window to its verdict 727 clocks, plus 712 for each verdict, and 107 for each first window
+// Latency:    from the event that closes a window to its verdict 760 clocks, plus 746 for each verdict, and 112 for each first window
 //             of a track, that is due before it.
 // Throughput: 1 event per clock; windows as rule Q2 says.
 // Stall:      verdicts are held until accepted. Owned events are never stalled.
@@ -23,7 +23,7 @@ module classifier #(
     parameter RADIX_W  = 8,   // two less than the bits of a relative address
     parameter ID_W     = 16,  // bits of a track id
     parameter SEQ_W    = 32,  // bits of an event's number
-    parameter VERDICTS = 4,   // that wait
+    parameter VERDICTS = 1,   // that wait for m_ready
     parameter SLOT_W   = (N > 1) ? $clog2(N) : 1,  // derived: leave it alone
     parameter ROW_W    = (N > 16) ? 11 : 10              // derived: leave it alone
 ) (

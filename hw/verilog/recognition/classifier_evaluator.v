@@ -8,9 +8,9 @@
 // rows of the slot, behind the weights.
 //
 // Cycles within a window count from the one in which the last word of a unit is addressed: weights and cells come in cycle 2, the
-// sum in 6, a hidden unit in 8; of a moment its product in 8, the correction in 9, the field in 10.
+// sum in 8, a hidden unit in 11; of a moment its product in 10, the correction in 12, the field in 14.
 //
-// Latency:    711 clocks a window, 106 the first one of a track. At most 768 is a must (rule Q3).
+// Latency:    746 clocks a window, 112 the first one of a track. Rule Q3 asks for at most 768.
 // Throughput: 1 window at a time.
 // Stall:      none.
 // Reset:      ends the evaluation.
@@ -80,7 +80,7 @@ module classifier_evaluator #(
     localparam [4:0] STEP_CLASS = 5'd6;   // the first class is read; then the largest score is known
     localparam [4:0] STEP_YOUNG = 5'd8;   // where a window without verdict begins: the last field takes as long
     localparam [4:0] STEP_LAST  = 5'd15;  // the last class
-    localparam [4:0] STEP_DONE  = 5'd21;
+    localparam [4:0] STEP_DONE  = 5'd23;
 
     // ---- sequence ----------------------------------------------------------------------------------------------------
 
@@ -125,50 +125,50 @@ module classifier_evaluator #(
     end
 
     // The rows of slots are the last ones.
-    wire [ROW_W-1:0] rows_of_slots = (N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}};
-
     function [ROW_W-1:0] slot_row;
-        input [3:0] index;
-        slot_row = rows_of_slots | {{(ROW_W - 4 - SLOT_W) {1'b0}}, s_slot, index};
+        input [SLOT_W-1:0] slot;
+        input [3:0]        index;
+        slot_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
+            | {{(ROW_W - 4 - SLOT_W) {1'b0}}, slot, index};
     endfunction
 
     wire [3:0] field_index = KEPT_FIELDS + {1'b0, unit[2:0]};
-
-    assign row = in_rows ? (on_field ? slot_row(field_index) : row_reg)
-        : slot_row(is_class ? class_0 : KEPT_VOTED);
 
     // ---- what is under way, by cycle ---------------------------------------------------------------------------------
 
     reg [2:1] adds, begins;       // rows of a sum
     reg [8:1] ends_moment;
-    reg [9:1] ends_hidden;
+    reg [10:1] ends_hidden;
     reg [2:1] reads_field;
-    reg [12:9] fits;
+    reg [14:9] fits;
     reg [4:1] multiplies;         // with weights of the second layer
     reg [2:1] reads_voted;
-    reg [3:1] is_class_d;
-    reg [11:0] class_d;           // class_0, by three clocks
+    reg [5:1] is_class_d;
+    reg [19:0] class_d;           // class_0 of the last five clocks
 
     wire is_ninth = in_rows && unit > HIDDEN_FIRST && word_reg >= NINTH_FIRST && word_reg <= NINTH_LAST;
     wire [3:0] ninth_0 = word_reg[3:0] - NINTH_FIRST[3:0];
 
     always @(posedge clk) begin
         adds        <= {adds[1], in_rows && !on_field};
-        begins      <= {begins[1], on_field};
+        begins      <= {begins[1], on_field || !in_rows};
         ends_moment <= {ends_moment[7:1], in_rows && in_moment && word_reg == WORD_LAST};
-        ends_hidden <= {ends_hidden[8:1], in_rows && !in_moment && word_reg == WORD_LAST};
+        ends_hidden <= {ends_hidden[9:1], in_rows && !in_moment && word_reg == WORD_LAST};
         reads_field <= {reads_field[1], in_rows && on_field};
-        fits        <= {fits[11:9], ends_moment[8]};
+        fits        <= {fits[13:9], ends_moment[8]};
         multiplies  <= {multiplies[3:1], is_ninth};
         reads_voted <= {reads_voted[1], in_votes && step == 5'd0};
-        is_class_d  <= {is_class_d[2:1], is_class};
-        class_d     <= {class_d[7:0], class_0};
+        is_class_d  <= {is_class_d[4:1], is_class};
+        class_d     <= {class_d[15:0], class_0};
         if (rst) begin
-            fits        <= 4'd0;
+            fits        <= 6'd0;
             ends_moment <= 8'd0;
-            is_class_d  <= 3'd0;
+            is_class_d  <= 5'd0;
         end
     end
+
+    assign row = in_rows ? (on_field ? slot_row(s_slot, field_index) : row_reg)
+        : slot_row(s_slot, is_class_d[2] ? class_d[7:4] : KEPT_VOTED);
 
     // ---- the field that a moment corrects ----------------------------------------------------------------------------
 
@@ -222,63 +222,62 @@ module classifier_evaluator #(
 
     reg signed [20:0] score [0:15];
     reg signed [20:0] score_now, score_most;
-    reg        [19:0] ninth_class;  // of cycles 4 to 0
+    reg        [11:0] ninth_class;  // ninth_0 of the last three clocks
+    reg               is_first;     // of the classes
     reg        [4:1]  adds_first;   // hidden unit
     reg        [4:1]  adds_last;
     reg               is_most;      // score_now counts for the largest
 
     // One read port: of the class whose product comes, or of the one that is voted for.
-    wire        [3:0]  scored = ninth_class[15:12];
-    wire signed [20:0] score_read = score[multiplies[4] ? scored : class_0];
+    reg         [3:0]  scored;
+    wire signed [20:0] score_read = score[scored];
     wire signed [20:0] score_next = (adds_first[4] ? 21'sd0 : score_read) + {{5{product[15]}}, product[15:0]};
     wire signed [21:0] distance = {score_most[20], score_most} - {score_read[20], score_read};
 
     always @(posedge clk) begin
-        ninth_class <= {ninth_class[15:0], ninth_0};
+        ninth_class <= {ninth_class[7:0], ninth_0};
+        scored      <= multiplies[3] ? ninth_class[11:8] : class_0;
         adds_first  <= {adds_first[3:1], unit == HIDDEN_FIRST + 6'd1};
         adds_last   <= {adds_last[3:1], unit == OUTPUT_LAST};
         if (multiplies[4]) score[scored] <= score_next;
         score_now <= score_next;
+        is_first  <= scored == 4'd0;
         is_most   <= multiplies[4] && adds_last[4] && scored < classes;
-        if (is_most && (ninth_class[19:16] == 4'd0 || score_most < score_now)) score_most <= score_now;
+        if (is_most && (is_first || score_most < score_now)) score_most <= score_now;
     end
 
     // ---- the shifter -------------------------------------------------------------------------------------------------
 
     reg signed [21:0] shifted;
-    wire signed [21:0] to_shift = fits[10] ? {{3{product[28]}}, product[28:10]} : is_class ? distance : {{2{sum[19]}}, sum};
-    wire        [3:0]  shift    = fits[10] ? fit_shift : is_class ? shift_2 : shift_1;
+    reg signed [21:0] operand;
+    reg        [3:0]  shift;
 
     always @(posedge clk) begin
-        shifted <= to_shift >>> shift;
-        if (ends_hidden[9] || is_class_d[1]) begin
+        operand <= fits[10] ? {{3{product[28]}}, product[28:10]} : is_class_d[1] ? distance : {{2{sum[19]}}, sum};
+        shift   <= fits[10] ? fit_shift : is_class_d[1] ? shift_2 : shift_1;
+        shifted <= operand >>> shift;
+        if (ends_hidden[10] || is_class_d[3]) begin
             amount <= shifted[21] ? 8'd0 : |shifted[20:8] ? 8'd255 : shifted[7:0];
         end
     end
 
     // ---- fit ---------------------------------------------------------------------------------------------------------
 
-    wire [11:0] field_next;
-    reg  [11:0] field_reg;
-
     classifier_fit u_fit (
+        .clk       (clk),
         .is_scale  (after_scale),
         .is_skew   (after_skew),
         .before    (field),
         .correction(shifted[17:0]),
-        .value     (field_next)
+        .value     (fit_value)
     );
-
-    always @(posedge clk) field_reg <= field_next;
 
     genvar f;
     generate
         for (f = 0; f < 5; f = f + 1) begin : g_field
-            assign fit_field[f] = fits[12] && unit == f + 1;
+            assign fit_field[f] = fits[14] && unit == f + 1;
         end
     endgenerate
-
-    assign fit_value = field_reg;
 
     // ---- vote --------------------------------------------------------------------------------------------------------
 
@@ -297,8 +296,8 @@ module classifier_evaluator #(
         .begins (in_rows),
         .blank  (voted_before == 8'd0),
         .halves (halves),
-        .s_valid(is_class_d[2] && class_d[7:4] < classes),
-        .s_class(class_d[7:4]),
+        .s_valid(is_class_d[4] && class_d[15:12] < classes),
+        .s_class(class_d[15:12]),
         .s_vote (kept),
         .s_loss (amount),
         .vote   (vote),
@@ -306,9 +305,9 @@ module classifier_evaluator #(
         .margin (m_margin)
     );
 
-    assign keep       = fits[12] || is_class_d[3] || s_done;
-    assign keep_row   = slot_row(fits[12] ? field_index - 4'd1 : is_class_d[3] ? class_d[11:8] : KEPT_VOTED);
-    assign keep_value = fits[12] ? {3'd0, field_reg} : is_class_d[3] ? vote : s_young ? 15'd0 : {7'd0, voted};
+    assign keep       = fits[14] || is_class_d[5] || s_done;
+    assign keep_row   = slot_row(s_slot, fits[14] ? field_index - 4'd1 : is_class_d[5] ? class_d[19:16] : KEPT_VOTED);
+    assign keep_value = fits[14] ? {3'd0, fit_value} : is_class_d[5] ? vote : s_young ? 15'd0 : {7'd0, voted};
 
     assign m_valid   = s_done && !s_young;
     assign m_class   = ({1'b0, m_margin} < product[15:0]) ? 4'd15 : winner;

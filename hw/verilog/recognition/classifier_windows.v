@@ -25,7 +25,7 @@ module classifier_windows #(
     input  wire              restart,
     input  wire              enable,
     input  wire [3:0]        window_log2,
-    output wire              quiet,        // no window waits for its evaluation
+    output wire              quiet,        // no window waits for its evaluation, and none can close in this clock
 
     // owned events
     input  wire              s_valid,
@@ -57,58 +57,69 @@ module classifier_windows #(
     // A slot without events since the last restart is fresh, whatever its memory says.
     reg [N-1:0]  used;
     reg [N-1:0]  pending;
-    reg [14:0]   state [0:N-1];
-    wire         was_fresh, was_open, was_young;  // open: count > 0
+    reg [15:0]   state [0:N-1];
+    wire         was_fresh, was_open, was_young, was_last;  // open: count > 0; last: count = K - 1
     wire [11:0]  count;
 
-    assign {was_fresh, was_open, was_young, count} = state[s_slot];
+    assign {was_fresh, was_open, was_young, was_last, count} = state[s_slot];
 
     reg  [SLOT_W:0]   released_to, evaluated_to, settled_to, closed_to;
     reg  [9:0]        busy;
+    reg               is_due;    // busy = 1
+    reg               restarted;
     reg  [SETTLE-1:0] settling;  // windows that closed so many clocks ago
     wire [SLOT_W-1:0] released_slot;
 
     wire waits    = released_to != closed_to;
-    wire releases = s_valid && waits && busy == 10'd1;
+    wire releases = s_valid && waits && is_due;
     wire paused   = pending[s_slot] && !(releases && released_slot == s_slot);
 
     assign counts = s_valid && enable && s_visible && !paused;
     assign first  = !(used[s_slot] && was_open);
     assign young  = first ? !used[s_slot] || was_fresh : was_young;
 
-    // K - 1 has as many ones as window_log2 says, at least 8.
+    // K - 2 in binary is ones and a zero, as many as window_log2 says, at least 8.
     wire [3:0]  beyond    = {window_log2 < 4'd12, window_log2 < 4'd11, window_log2 < 4'd10, window_log2 < 4'd9};
     wire [11:0] count_now = first ? 12'd0 : count;
-    wire        full      = &{count_now[11:8] | beyond, count_now[7:0]};
+    wire        full      = !first && was_last;
+    wire        is_last   = &{count_now[11:8] | beyond, count_now[7:1]} && !count_now[0];  // of this event's successor
     wire        closes    = counts && full;
+    wire        writes    = counts || (s_valid && !s_visible);
 
-    assign quiet      = evaluated_to == closed_to && !closes;
+    function [N-1:0] one_slot;
+        input is_set;
+        begin
+            one_slot    = {N{1'b0}};
+            one_slot[0] = is_set;
+        end
+    endfunction
+
+    assign quiet      = evaluated_to == closed_to && !(s_valid && full);
     assign head_valid = evaluated_to != settled_to;
 
     always @(posedge clk) begin
-        if (counts || (s_valid && !s_visible)) begin
-            state[s_slot] <= {!s_visible, s_visible && !full, young, count_now + 12'd1};
+        if (writes) begin
+            state[s_slot] <= {!s_visible, s_visible && !full, young, is_last, count_now + 12'd1};
         end
     end
 
     always @(posedge clk) begin
-        if (s_valid) busy <= (releases || !waits) ? SERVICE_EVENTS : busy - 10'd1;
-        if (releases) begin
-            pending[released_slot] <= 1'b0;
-            released_to            <= released_to + 1'b1;
+        if (s_valid) begin
+            busy   <= (is_due || !waits) ? SERVICE_EVENTS : busy - 10'd1;
+            is_due <= waits && busy == 10'd2;
         end
-        if (closes) begin
-            pending[s_slot] <= 1'b1;
-            closed_to       <= closed_to + 1'b1;
-        end
-        if (counts || (s_valid && !s_visible)) used[s_slot] <= 1'b1;
+        pending <= (pending & ~(one_slot(releases) << released_slot)) | (one_slot(closes) << s_slot);
+        used    <= used | (one_slot(writes) << s_slot);
+        if (releases) released_to <= released_to + 1'b1;
+        if (closes) closed_to <= closed_to + 1'b1;
         if (head_done) evaluated_to <= evaluated_to + 1'b1;
         settling <= {settling[SETTLE-2:0], closes};
         if (settling[SETTLE-1]) settled_to <= settled_to + 1'b1;
+        restarted <= restart;
+        if (restarted) released_to <= closed_to;  // a clock late: no window closes so soon
         if (restart || rst) begin
-            used        <= {N{1'b0}};
-            pending     <= {N{1'b0}};
-            released_to <= closed_to;
+            used    <= {N{1'b0}};
+            pending <= {N{1'b0}};
         end
         if (rst) begin
             released_to  <= {(SLOT_W + 1) {1'b0}};
@@ -116,6 +127,8 @@ module classifier_windows #(
             settled_to   <= {(SLOT_W + 1) {1'b0}};
             closed_to    <= {(SLOT_W + 1) {1'b0}};
             settling     <= {SETTLE{1'b0}};
+            is_due       <= 1'b0;
+            restarted    <= 1'b0;
         end
     end
 

@@ -15,6 +15,7 @@ from evcot_cosim.devices.base import Pattern
 from support.classifier_trials import (
     ClassifierTrial,
     OwnedEvents,
+    candidate,
     joined,
     object_events,
     random_network,
@@ -59,10 +60,6 @@ def bars(slot: int, n: int, *, upright: bool, track: int = 7) -> OwnedEvents:
     along, across = np.where(rng.random(n) < 0.8, -60, 200), rng.integers(-40, 40, n)
     dx, dy = (across, along) if upright else (along, across)
     return OwnedEvents(np.full(n, slot), dx, dy, np.ones(n, bool), np.full(n, track))
-
-
-def candidate(slot: int, n: int = 1) -> OwnedEvents:
-    return OwnedEvents(np.full(n, slot), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, bool), np.zeros(n, np.int64))
 
 
 def verdicts(trial: ClassifierTrial, *parts: OwnedEvents) -> list[dict[str, int]]:
@@ -188,10 +185,8 @@ class TestRegisters:
         for run in range(10):
             trial.device.stalls = {"cfg_": slow_pattern(rng, 3_000), "s_": random_pattern(rng, 0.3 + 0.07 * run)}
             registers = random_registers(rng, int(rng.integers(8, 10)))
-            writes = [
-                ("scale_start", registers.scale_start), ("classes", registers.classes), ("enable", 1), ("shift_1", registers.shift_1),
-                ("window_log2", registers.window_log2), ("margin_min", registers.margin_min), ("shift_2", registers.shift_2),
-            ]  # fmt: skip
+            names = ("scale_start", "classes", "shift_1", "window_log2", "margin_min", "shift_2")
+            writes = [("enable", 1), *((name, getattr(registers, name)) for name in names)]
             events = random_owned(rng, 30_000, 8, trial.rel_w, flips=1e-5)
             given += len(trial.run(events, writes).words["m_"])
         assert given > 100
@@ -205,7 +200,7 @@ class TestRegisters:
         one = [object_events(np.random.default_rng(1), slot, WINDOW, 40) for slot in (0, 1)]
         done = trial.run(joined(one), [("margin_min", 9)])
         assert done.accepted["s_"][-1] < 600
-        assert done.accepted["cfg_"][0] > 512 + 106, "two first windows"
+        assert done.accepted["cfg_"][0] > 2 * WINDOW + 112, "until the second window is evaluated"
 
     def test_disabled_classifier_counts_nothing(self) -> None:
         trial = trial_of(SHORT, halves())
@@ -276,14 +271,14 @@ class TestVerdicts:
 class TestClocks:
     """What the headers of classifier.v and classifier_evaluator.v claim."""
 
-    def test_verdict_comes_727_clocks_after_the_event_that_closes_the_window(self) -> None:
+    def test_verdict_comes_760_clocks_after_the_event_that_closes_the_window(self) -> None:
         trial = trial_of(SHORT, halves())
         one = joined([bars(0, WINDOW, upright=True), candidate(1, SERVICE_EVENTS)])
         trial.run(one)
         done = trial.run(one)
-        assert done.given["m_"][0] - done.accepted["s_"][WINDOW - 1] == 727
+        assert done.given["m_"][0] - done.accepted["s_"][WINDOW - 1] == 760
 
-    def test_next_verdicts_follow_by_712_clocks(self) -> None:
+    def test_next_verdicts_follow_by_746_clocks(self) -> None:
         trial = trial_of(SHORT, halves())
         in_turns = OwnedEvents(
             *(column.reshape(7, -1).T.ravel() for column in joined([bars(n, WINDOW, upright=True) for n in range(7)]))
@@ -292,15 +287,15 @@ class TestClocks:
         trial.run(joined([in_turns, pause]))
         done = trial.run(joined([in_turns, pause]))
         closed = done.accepted["s_"][len(in_turns.slot) - 7]
-        assert (done.given["m_"] - closed).tolist() == [727 + 712 * n for n in range(7)]
+        assert (done.given["m_"] - closed).tolist() == [760 + 746 * n for n in range(7)]
 
-    def test_first_window_of_a_track_takes_107_clocks(self) -> None:
+    def test_first_window_of_a_track_takes_112_clocks(self) -> None:
         trial = trial_of(SHORT, halves())
         one = joined([bars(0, WINDOW, upright=True), candidate(2, SERVICE_EVENTS)])
         trial.run(one)
         old, new = bars(0, WINDOW, upright=True), bars(1, WINDOW, upright=True)
         done = trial.run(joined([old.part(0, WINDOW - 1), new, old.part(0, 1), candidate(2, SERVICE_EVENTS)]))
-        assert done.given["m_"][0] - done.accepted["s_"][2 * WINDOW - 1] == 727 + 107 - 1
+        assert done.given["m_"][0] - done.accepted["s_"][2 * WINDOW - 1] == 760 + 112 - 1
 
 
 def slow_pattern(rng: np.random.Generator, clocks: int) -> Pattern:
