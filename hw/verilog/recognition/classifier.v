@@ -291,7 +291,7 @@ module classifier #(
 
     fifo #(
         .W    (SLOT_W + ID_W + SEQ_W + 27),
-        .DEPTH(VERDICTS)
+        .DEPTH(VERDICTS > 0 ? VERDICTS : 1)
     ) u_verdicts (
         .clk    (clk),
         .rst    (rst),

@@ -42,7 +42,7 @@ module classifier_cell #(
 );
 
     parameter_check #(.OK(N >= 1)) N_must_be_at_least_1 ();
-    parameter_check #(.OK(REL_W >= 3 && REL_W <= 18)) REL_W_must_be_3_to_18 ();
+    parameter_check #(.OK(REL_W >= 2 && REL_W <= 18)) REL_W_must_be_2_to_18 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam LATENCY = 8;

@@ -65,7 +65,7 @@ module classifier_evaluator #(
 );
 
     parameter_check #(.OK(N >= 1 && N <= 64)) N_must_be_1_to_64 ();
-    parameter_check #(.OK(ROW_W == ((N > 16) ? 11 : 10))) ROW_W_must_be_10_for_up_to_16_slots_else_11 ();
+    parameter_check #(.OK(ROW_W >= ((N > 16) ? 11 : 10))) ROW_W_must_be_at_least_10_or_11_beyond_16_slots ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam [5:0] HIDDEN_FIRST = 6'd5;   // units: moments before it,
@@ -267,7 +267,7 @@ module classifier_evaluator #(
         .clk       (clk),
         .is_scale  (after_scale),
         .is_skew   (after_skew),
-        .before    (field),
+        .field     (field),
         .correction(shifted[17:0]),
         .value     (fit_value)
     );

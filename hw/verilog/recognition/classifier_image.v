@@ -44,13 +44,13 @@ module classifier_image #(
 
     reg [WORDS-1:0] written [0:N-1];
 
-    wire [WORDS-1:0] before    = s_first ? {WORDS{1'b0}} : written[s_slot];
+    wire [WORDS-1:0] known     = s_first ? {WORDS{1'b0}} : written[s_slot];
     wire [WORDS-1:0] this_word = {{(WORDS - 1) {1'b0}}, 1'b1} << s_word;
-    wire [WORDS-1:0] was_written = before >> s_word;
+    wire [WORDS-1:0] was_written = known >> s_word;
     wire [WORDS-1:0] to_read   = written[read_slot] >> read_word;
 
     always @(posedge clk) begin
-        if (s_valid) written[s_slot] <= before | this_word;
+        if (s_valid) written[s_slot] <= known | this_word;
     end
 
     // ---- events ------------------------------------------------------------------------------------------------------

@@ -30,10 +30,10 @@ module classifier_vote (
     reg [3:0]  class_1;
     reg [14:0] least, second;
 
-    wire [14:0] before = blank ? 15'd0 : halves ? {1'b0, s_vote[14:1]} : s_vote;
+    wire [14:0] base = blank ? 15'd0 : halves ? {1'b0, s_vote[14:1]} : s_vote;
 
     always @(posedge clk) begin
-        vote    <= before + {7'd0, s_loss};
+        vote    <= base + {7'd0, s_loss};
         valid_1 <= s_valid;
         class_1 <= s_class;
         margin  <= second - least;
