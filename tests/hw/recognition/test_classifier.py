@@ -177,6 +177,14 @@ def test_fit_stays_in_its_limits(off: tuple[int, int], scale_start: int) -> None
             assert len(trial.run(each._replace(dx=dx, dy=dy)).words["m_"]) > 30
 
 
+def test_scale_of_an_object_beyond_the_image_stays_at_16() -> None:
+    rng = np.random.default_rng(20312)
+    trial = trial_of(RecognitionRegisters(window_log2=8, scale_start=40), random_network(rng), radix_w=12)
+    spread = object_events(rng, 0, 20_000, 1)
+    far = [rng.choice([-7_000, 7_000], 20_000) + rng.integers(-900, 900, 20_000) for _ in range(2)]
+    assert len(trial.run(spread._replace(dx=far[0], dy=far[1])).words["m_"]) > 15
+
+
 class TestRegisters:
     def test_writes_in_flow_take_effect_between_two_events(self) -> None:
         rng = np.random.default_rng(20305)
