@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from evcot.hardware.contract import RECORD
-from evcot.hardware.model import Decisions
 from evcot.recognition.contract import CELLS, CLASSES_MAX, HIDDEN, RECOGNITION_RANGES, RecognitionRegisters
 from evcot.recognition.model import Classifier, Network
+from evcot.recognition.model import OwnedEvents as ModelEvents
 from evcot.recognition.weight_memory import REGISTER_ADDRESSES, memory_words
 
 from .stream_device import Bundle, StreamDevice, StreamRun
@@ -176,8 +175,7 @@ class ClassifierTrial:
 def verdicts_of(classifier: Classifier, rel_w: int, events: OwnedEvents) -> NDArray[np.int64]:
     """Verdicts of the golden model, without ids; `seq` counts all of its events."""
     rel_x, rel_y = ((column & ((1 << rel_w) - 1)).astype(np.uint16) for column in (events.dx, events.dy))
-    decided = Decisions(np.zeros(0, RECORD), events.slot.astype(np.int16), rel_x, rel_y, events.visible)
-    found = classifier.feed(decided)
+    found = classifier.feed(ModelEvents(events.slot.astype(np.int16), rel_x, rel_y, events.visible))
     none = np.zeros(len(found), np.int64)
     columns = (found["slot"], none, found["seq"], found["class"], found["margin"], found["windows"])
     return np.stack([column.astype(np.int64) for column in columns], axis=1)
