@@ -14,7 +14,7 @@
 // Throughput: 1 window at a time.
 // Stall:      none.
 // Reset:      ends the evaluation.
-// Combinational paths: none.
+// Combinational paths: from s_slot to row and keep_row, from s_young to keep_value and m_valid.
 `default_nettype none
 
 module classifier_evaluator #(

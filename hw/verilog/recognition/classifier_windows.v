@@ -4,11 +4,11 @@
 // An event is decided in the clock in which it is offered. The queue is a ring with four pointers, in this order: windows leave it at
 // `released_to` (rule Q2), have been evaluated up to `evaluated_to`, can be evaluated up to `settled_to`, and enter at `closed_to`.
 //
-// Latency:    none from s_ to `counts`, `first`, `young` and `closes`; SETTLE + 1 clocks from a closing event to head_valid.
+// Latency:    none from s_ to `counts`, `first` and `young`; SETTLE + 1 clocks from a closing event to head_valid.
 // Throughput: 1 event per clock.
 // Stall:      none.
 // Reset:      all slots are fresh, the queue is empty. Counts and the contents of the queue are not reset.
-// Combinational paths: from s_ to `counts`, `first`, `young` and `closes`.
+// Combinational paths: from enable, s_valid, s_slot and s_visible to counts, first, young and quiet.
 `default_nettype none
 
 module classifier_windows #(
