@@ -38,18 +38,19 @@ module classifier_sum (
 
     reg               valid_1, valid_2, valid_3;
     reg        [5:1]  begins;
-    reg signed [13:0] pair [0:3];
+    reg signed [13:0] pair_0, pair_1, pair_2, pair_3;
     reg signed [14:0] low, high;  // of four products each
     reg signed [15:0] eight;
-
-    integer k;
 
     always @(posedge clk) begin
         {valid_1, valid_2, valid_3} <= {s_valid, valid_1, valid_2};
         begins                      <= {begins[4:1], s_begin};
-        for (k = 0; k < 4; k = k + 1) pair[k] <= {product[2*k][12], product[2*k]} + {product[2*k+1][12], product[2*k+1]};
-        low   <= {pair[0][13], pair[0]} + {pair[1][13], pair[1]};
-        high  <= {pair[2][13], pair[2]} + {pair[3][13], pair[3]};
+        pair_0 <= {product[0][12], product[0]} + {product[1][12], product[1]};
+        pair_1 <= {product[2][12], product[2]} + {product[3][12], product[3]};
+        pair_2 <= {product[4][12], product[4]} + {product[5][12], product[5]};
+        pair_3 <= {product[6][12], product[6]} + {product[7][12], product[7]};
+        low   <= {pair_0[13], pair_0} + {pair_1[13], pair_1};
+        high  <= {pair_2[13], pair_2} + {pair_3[13], pair_3};
         eight <= {low[14], low} + {high[14], high};
         if (!valid_3) begin
             low  <= 15'sd0;
