@@ -89,17 +89,18 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def refused(capsys: pytest.CaptureFixture[str], home: Path) -> Refused:
+def refused(capsys: pytest.CaptureFixture[str]) -> Refused:
     """Runs a command that cannot be done; returns the one line that it prints, which must be all that it leaves."""
 
     def run(*arguments: str) -> str:
-        before = sorted(home.rglob("*"))
+        assert not Path("pyproject.toml").exists(), "must be in a folder of its own, such as `home`"
+        before = sorted(Path().rglob("*"))
         capsys.readouterr()
         assert main(arguments) == 2
         printed = capsys.readouterr()
         lines = [line for line in printed.err.splitlines() if not line.startswith("evcot: compiling the hardware")]
         assert (printed.out, len(lines)) == ("", 1), printed.err
-        assert sorted(home.rglob("*")) == before
+        assert sorted(Path().rglob("*")) == before
         assert lines[0].startswith("evcot: ")
         return lines[0].removeprefix("evcot: ")
 

@@ -172,6 +172,7 @@ def test_a_misspelled_word_is_answered_with_the_right_one(typed: list[str], mean
     assert len(complaint.splitlines()) == 2  # usage and message
 
 
+@pytest.mark.usefixtures("home")
 def test_a_misspelled_scene_is_answered_with_the_right_one(refused: Refused) -> None:
     said = refused("cosim", "boxs")
     assert said.startswith("boxs: cannot be read: No such file or directory; nor is it a scene, one of boxes,")

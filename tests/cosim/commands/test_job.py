@@ -99,6 +99,7 @@ def test_other_modules_get_the_preset_for_the_sensor(
         ("--hardware cot --slots 2", "shape.n_slots = 2: must be 1 for a single tracker"),
     ],
 )
+@pytest.mark.usefixtures("home")
 def test_a_preset_of_other_hardware_is_refused(discs: Path, refused: Refused, options: str, message: str) -> None:
     assert message in refused("cosim", str(discs), "--print-config", *options.split())
 
