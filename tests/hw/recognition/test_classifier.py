@@ -23,8 +23,10 @@ from support.classifier_trials import (
     random_registers,
 )
 from support.stream_device import random_pattern
+from support.testing import EXHAUSTIVE
 
 WINDOW = 256
+MORE = 30 if EXHAUSTIVE else 1  # times as many random events
 SHORT = RecognitionRegisters(window_log2=8, scale_start=200, shift_1=0, shift_2=4, classes=2)
 
 
@@ -134,8 +136,9 @@ def test_random_traffic_is_exact(n_slots: int) -> None:
         trial.device.stalls = {} if run % 2 else {"s_": random_pattern(rng), "m_": random_pattern(rng)}
         trial.reset()
         trial.write(random_registers(rng, int(rng.choice([8, 8, 9, 10]))), random_network(rng))
-        events = random_owned(rng, 50_000, n_slots, trial.rel_w, flips=float(rng.choice([0, 1e-5, 1e-4, 1e-3])))
+        events = random_owned(rng, MORE * 50_000, n_slots, trial.rel_w, flips=float(rng.choice([0, 1e-5, 1e-4, 1e-3])))
         given += np.bincount(trial.run(events).words["m_"][:, 3].astype(int), minlength=16)
+    print(f"{n_slots} slots: {12 * MORE * 50_000:,} owned events, {given.sum():,} verdicts")
     assert given.sum() > 100
     assert np.count_nonzero(given) >= 4
 
@@ -195,8 +198,9 @@ class TestRegisters:
             registers = random_registers(rng, int(rng.integers(8, 10)))
             names = ("scale_start", "classes", "shift_1", "window_log2", "margin_min", "shift_2")
             writes = [("enable", 1), *((name, getattr(registers, name)) for name in names)]
-            events = random_owned(rng, 30_000, 8, trial.rel_w, flips=1e-5)
+            events = random_owned(rng, MORE * 30_000, 8, trial.rel_w, flips=1e-5)
             given += len(trial.run(events, writes).words["m_"])
+        print(f"registers in flow: {10 * MORE * 30_000:,} owned events, {given:,} verdicts")
         assert given > 100
 
     def test_write_waits_until_all_windows_are_evaluated(self) -> None:
@@ -236,10 +240,11 @@ class TestWeights:
         rng = np.random.default_rng(20307)
         trial = trial_of(random_registers(rng), random_network(rng))
         for _ in range(5):
-            trial.run(random_owned(rng, 20_000, 8, trial.rel_w, flips=0), [("enable", 0)])
+            trial.run(random_owned(rng, MORE * 20_000, 8, trial.rel_w, flips=0), [("enable", 0)])
             trial.write_weights(random_network(rng), random_owned(rng, 5_000, 8, trial.rel_w))
-            done = trial.run(random_owned(rng, 20_000, 8, trial.rel_w, flips=0), [("enable", 1)])
+            done = trial.run(random_owned(rng, MORE * 20_000, 8, trial.rel_w, flips=0), [("enable", 1)])
             assert len(done.words["m_"]) > 5
+        print(f"weights in flow: {5 * (MORE * 40_000 + 5_000):,} owned events")
 
     def test_enabled_classifier_refuses_weights(self) -> None:
         trial = trial_of(SHORT, halves())
