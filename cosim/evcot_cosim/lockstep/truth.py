@@ -22,7 +22,7 @@ from .run_file import Source
 
 __all__ = ["Truth", "scene_truth", "truth_of"]
 
-_INSTANTS_MAX = 3_000  # that are scored: all those of a scene of 6 s, as `evcot evaluate` has them; a second each side
+_INSTANTS_MAX = 3_000  # that are scored: all those of a scene of 6 s; scoring takes about a second for each side
 
 
 @dataclass(frozen=True)
