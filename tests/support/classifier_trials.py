@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from evcot.recognition.contract import CELLS, CLASSES_MAX, HIDDEN, RECOGNITION_RANGES, RecognitionRegisters
+from evcot.ranges import ranges_of
+from evcot.recognition.contract import CELLS, CLASSES_MAX, HIDDEN, RecognitionRegisters
 from evcot.recognition.model import Classifier, Network
 from evcot.recognition.model import OwnedEvents as ModelEvents
 from evcot.recognition.weight_memory import REGISTER_ADDRESSES, memory_words
@@ -214,7 +215,7 @@ def random_network(rng: np.random.Generator) -> Network:
 
 def random_registers(rng: np.random.Generator, window_log2: int = 8) -> RecognitionRegisters:
     def between(name: str) -> int:
-        low, high = (int(end) for end in RECOGNITION_RANGES[name][:2])
+        low, high = (int(end) for end in ranges_of(RecognitionRegisters)[name][:2])
         return int(rng.choice([low, high])) if rng.random() < 0.15 else int(rng.integers(low, high, endpoint=True))
 
     return RecognitionRegisters(

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from math import cos, pi
 
 from ..errors import ConfigError
-from ..ranges import Range, check_ranges
+from ..ranges import check_ranges, setting
 
-__all__ = ["ANGLES", "COSINES", "HOUGH_RANGES", "STAMP_W", "THRESHOLD", "HoughConfig"]
+__all__ = ["ANGLES", "COSINES", "STAMP_W", "THRESHOLD", "HoughConfig"]
 
 ANGLES = (16, 32)
 """Legal numbers of angles in half a turn."""
@@ -26,30 +26,22 @@ STAMP_W = 9
 THRESHOLD = 8
 """Hits at which a cell fires."""
 
-HOUGH_RANGES: dict[str, Range] = {
-    "width": (1, 2048, "pixels of the sensor across"),
-    "height": (1, 2048, "pixels of the sensor down"),
-    "angles": (16, 32, "angles in half a turn, 16 or 32"),
-    "leak_log2": (2, 9, "log2 of the events in which each cell loses one hit"),
-}
-"""Limits and meanings of `HoughConfig`. The RTL checks those of the sensor and the angles at elaboration."""
-
 
 @dataclass(frozen=True)
 class HoughConfig:
-    """Shape and register of the line transform; limits and meanings in `HOUGH_RANGES`.
+    """Shape and register of the line transform; the RTL checks sensor and angles at elaboration.
 
     Raises:
         ConfigError: a value outside its range.
     """
 
-    width: int = 346
-    height: int = 260
-    angles: int = 16
-    leak_log2: int = 5
+    width: int = setting(346, 1, 2048, "pixels of the sensor across")
+    height: int = setting(260, 1, 2048, "pixels of the sensor down")
+    angles: int = setting(16, 16, 32, "angles in half a turn, 16 or 32")
+    leak_log2: int = setting(5, 2, 9, "log2 of the events in which each cell loses one hit")
 
     def __post_init__(self) -> None:
-        check_ranges("hough", self, HOUGH_RANGES)
+        check_ranges("hough", self)
         if self.angles not in ANGLES:
             raise ConfigError(f"hough.angles = {self.angles}: must be 16 or 32")
 

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from types import MappingProxyType
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..ranges import Range, check_integer
+from ..ranges import check_ranges, setting
 
 __all__ = [
     "CELLS",
@@ -18,9 +17,8 @@ __all__ = [
     "HIDDEN_MAX",
     "LOSS_MAX",
     "NONE",
-    "RECOGNITION_RANGES",
+    "RAW_VERDICT",
     "SERVICE_EVENTS",
-    "VERDICT",
     "VOTED_MAX",
     "RecognitionRegisters",
 ]
@@ -35,41 +33,27 @@ VOTED_MAX = 128  # windows in a vote; then votes and their number are halved
 NONE = 15  # class of a verdict with too small a margin
 SERVICE_EVENTS = 768  # owned events, of all slots, after which a window counts as evaluated
 
-# register -> (lowest, highest, meaning)
-RECOGNITION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
-    {
-        "window_log2": (8, 12, "a window has 2^window_log2 counted events"),
-        "scale_start": (16, 4095, "scale of both axes in a track's first window, in 2^-12 cells per half pixel"),
-        "shift_1": (0, 15, "a hidden unit is 2^-shift_1 of its weighted sum"),
-        "shift_2": (0, 15, "the loss of a class is 2^-shift_2 of its distance from the best"),
-        "classes": (2, CLASSES_MAX, "number of classes"),
-        "margin_min": (0, LOSS_MAX, "a mean margin per window below this gives class 15, none of these"),
-    }
-)
-
 
 @dataclass(frozen=True)
 class RecognitionRegisters:
-    """The registers of the classifier; meanings and limits in `RECOGNITION_RANGES`.
+    """The registers of the classifier, with their limits and meanings (docs/recognition.md).
 
     Raises:
         ConfigError: a value outside its range.
     """
 
-    window_log2: int = 10
-    scale_start: int = 984
-    shift_1: int = 8
-    shift_2: int = 8
-    classes: int = CLASSES_MAX
-    margin_min: int = 0
+    window_log2: int = setting(10, 8, 12, "a window has 2^window_log2 counted events")
+    scale_start: int = setting(984, 16, 4095, "scale of both axes in a track's first window, in 2^-12 cells per half pixel")
+    shift_1: int = setting(8, 0, 15, "a hidden unit is 2^-shift_1 of its weighted sum")
+    shift_2: int = setting(8, 0, 15, "the loss of a class is 2^-shift_2 of its distance from the best")
+    classes: int = setting(CLASSES_MAX, 2, CLASSES_MAX, "number of classes")
+    margin_min: int = setting(0, 0, LOSS_MAX, "a mean margin per window below this gives class 15, none of these")
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            low, high, meaning = RECOGNITION_RANGES[field.name]
-            check_integer(f"recognition.{field.name}", getattr(self, field.name), int(low), int(high), meaning)
+        check_ranges("recognition", self)
 
 
-VERDICT = np.dtype(
+RAW_VERDICT = np.dtype(
     [
         ("seq", "<u8"),
         ("slot", "u1"),
@@ -78,4 +62,5 @@ VERDICT = np.dtype(
         ("windows", "u1"),
     ]
 )
-"""A verdict: number of the event that closed the window, slot, class, margin of the vote, windows in the vote."""
+"""A verdict as the hardware sends it: number of the event that closed the window, slot, class, margin of the vote, windows in
+the vote."""

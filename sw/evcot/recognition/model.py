@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ._votes import judge
 from ._windows import FIELD_COUNT, FRESH, GLOBAL_COUNT, fill
-from .contract import CELLS, CLASSES_MAX, HIDDEN, VERDICT, RecognitionRegisters
+from .contract import CELLS, CLASSES_MAX, HIDDEN, RAW_VERDICT, RecognitionRegisters
 
 __all__ = ["Classifier", "Network", "OwnedEvents", "Windows"]
 
@@ -141,7 +141,7 @@ class Classifier:
         self._voted = np.zeros(self._n_slots, np.int64)
 
     def feed(self, events: OwnedEvents) -> NDArray[np.void]:
-        """Verdicts of a run of events, (m,) of dtype `VERDICT`; see `Windows.feed`."""
+        """Verdicts of a run of events, (m,) of dtype `RAW_VERDICT`; see `Windows.feed`."""
         registers = self._registers
         rows = []
         for closed in self._windows.feed(events):
@@ -154,7 +154,7 @@ class Classifier:
             rows.append(out[:count])
         self._seen += len(events.owner)
         table = np.concatenate([np.zeros((0, 5), np.int64), *rows])
-        verdicts = np.zeros(len(table), VERDICT)
-        for name, column in zip(VERDICT.names or (), table.T, strict=True):
+        verdicts = np.zeros(len(table), RAW_VERDICT)
+        for name, column in zip(RAW_VERDICT.names or (), table.T, strict=True):
             verdicts[name] = column
         return verdicts

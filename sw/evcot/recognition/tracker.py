@@ -17,9 +17,9 @@ from ..hardware.golden import GoldenTracker
 from ..recordings.formats.source import Sensor
 from ..trackers.config import RunConfig
 from ..trackers.presets import fit
-from ..tracks.record import TRACK, VERDICT
+from ..tracks.record import TRACK, VERDICT, last_until, no_verdicts
 from ..tracks.tracking import TrackerOutput
-from .contract import NONE, RecognitionRegisters
+from .contract import CELLS, NONE, RecognitionRegisters
 from .model import Classifier, OwnedEvents, Windows
 from .weights import Weights
 
@@ -35,12 +35,9 @@ class _Newest:
 
     def at(self, event: NDArray[np.int64], slot: NDArray[np.int64], records: NDArray[np.void]) -> NDArray[np.void]:
         """The newest record of a slot at each event, (k,) of dtype `TRACK`; `records` are those of the run."""
+        last = last_until(records["slot"], records["event_index"], slot, event)
         found = self._past[slot]
-        for one in np.unique(slot).tolist():
-            own = records[records["slot"] == one]
-            mine = np.flatnonzero(slot == one)
-            place = np.searchsorted(own["event_index"], event[mine], "right") - 1
-            found[mine[place >= 0]] = own[place[place >= 0]]
+        found[last >= 0] = records[last[last >= 0]]
         return found
 
     def fed(self, records: NDArray[np.void]) -> None:
@@ -68,7 +65,7 @@ class ClassifyingTracker(GoldenTracker):
         self._class_ids = np.full(NONE + 1, -1, np.int64)
         self._class_ids[: len(weights.class_ids)] = weights.class_ids
         self._newest = _Newest(shape.n_slots)
-        self.verdicts = np.zeros(0, VERDICT)
+        self.verdicts = no_verdicts()
 
     def feed(self, events: Events) -> TrackerOutput:
         """See `tracking.Tracker`."""
@@ -144,5 +141,5 @@ class WindowTracker(GoldenTracker):
 def joined(parts: list[TrackWindows]) -> TrackWindows:
     """All windows, in order."""
     if not parts:
-        return TrackWindows(np.zeros(0, np.int64), np.zeros(0, TRACK), np.zeros((0, 0), np.uint8))
+        return TrackWindows(np.zeros(0, np.int64), np.zeros(0, TRACK), np.zeros((0, CELLS**2), np.uint8))
     return TrackWindows(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 from numpy.typing import NDArray
 
-from .contract import CELLS, HIDDEN
+from .contract import CELLS, HIDDEN, RecognitionRegisters
 from .model import Network
 
 __all__ = ["BANKS", "BANK_BITS", "REGISTER_ADDRESSES", "ROWS", "memory_words"]
@@ -19,10 +21,7 @@ _MOMENTS = 5
 _NINTH_FIRST = 8  # row, of those of the next unit, with a unit's first weight of the second layer
 ROWS = (_MOMENTS + HIDDEN) * _WORDS + _NINTH_FIRST + 10
 
-REGISTER_ADDRESSES = {
-    name: address
-    for address, name in enumerate(("enable", "window_log2", "scale_start", "shift_1", "shift_2", "classes", "margin_min"))
-}
+REGISTER_ADDRESSES = {name: at for at, name in enumerate(("enable", *(each.name for each in fields(RecognitionRegisters))))}
 
 
 def memory_words(network: Network) -> NDArray[np.uint32]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from dataclasses import astuple, dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -20,6 +21,7 @@ from .model import Network
 __all__ = ["VERSION", "Weights"]
 
 VERSION = 1  # of the contract (docs/recognition.md) that the weights are for
+_ARRAY_BYTES_MAX = 1 << 16  # of a file's array, which may claim anything
 _ARRAYS = ("version", "tracker", "registers", "class_ids", "w1", "w2", "checksum")
 
 
@@ -117,10 +119,15 @@ def _read(path: Path) -> dict[str, NDArray[Any]]:
             missing = [name for name in _ARRAYS if name not in archive.files]
             if missing:
                 raise ConfigError(f"{path}: has no array {missing[0]}: must be weights that evcot train wrote")
+            assert archive.zip is not None
+            for name in _ARRAYS:
+                if archive.zip.getinfo(f"{name}.npy").file_size > _ARRAY_BYTES_MAX:
+                    rule = f"must be at most {_ARRAY_BYTES_MAX} bytes, as in weights that evcot train wrote"
+                    raise ConfigError(f"{path}: {name} is longer: {rule}")
             return {name: archive[name] for name in _ARRAYS}
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {reason_of(error, path)}") from error
-    except (ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+    except (ValueError, EOFError, KeyError, MemoryError, zipfile.BadZipFile, zlib.error) as error:
         if isinstance(error, ConfigError):
             raise
         raise ConfigError(f"{path}: is damaged, or no npz file: must be weights that evcot train wrote") from error

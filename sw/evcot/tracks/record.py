@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 
-__all__ = ["BEGIN_US", "DROPPED", "TRACK", "VERDICT", "Kind", "check_records", "classes_at", "no_verdicts"]
+__all__ = ["BEGIN_US", "DROPPED", "TRACK", "VERDICT", "Kind", "check_records", "classes_at", "last_until", "no_verdicts"]
 
 
 DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
@@ -74,11 +74,24 @@ def classes_at(verdicts: NDArray[np.void], track_id: NDArray[np.int64], t_us: ND
     Args:
         verdicts: (k,) of dtype `VERDICT`, in chronological order.
     """
-    found = np.full(len(track_id), -1, np.int64)
-    for track in np.intersect1d(verdicts["track_id"], track_id).tolist():
-        own, mine = verdicts[verdicts["track_id"] == track], np.flatnonzero(track_id == track)
-        place = np.searchsorted(own["t_us"], t_us[mine], "right") - 1
-        found[mine[place >= 0]] = own["class_id"][place[place >= 0]]
+    last = last_until(verdicts["track_id"], verdicts["t_us"], track_id, t_us)
+    return np.append(verdicts["class_id"], -1)[last]
+
+
+def last_until(
+    keys: NDArray[np.integer], times: NDArray[np.int64], key: NDArray[np.integer], until: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """The last of (k,) rows in chronological order with a key until a time, (n,) indices; -1: none.
+
+    Args:
+        keys, times: (k,) of the rows.
+        key, until: (n,) which are asked for.
+    """
+    found = np.full(len(key), -1, np.int64)
+    for one in np.intersect1d(keys, key):
+        own, mine = np.flatnonzero(keys == one), np.flatnonzero(key == one)
+        place = np.searchsorted(times[own], until[mine], "right") - 1
+        found[mine[place >= 0]] = own[place[place >= 0]]
     return found
 
 

@@ -189,6 +189,14 @@ def test_scale_of_an_object_beyond_the_image_stays_at_16() -> None:
 
 
 class TestRegisters:
+    def test_reset_gives_them_the_defaults_of_the_contract(self) -> None:
+        rng = np.random.default_rng(20310)
+        network = random_network(rng)
+        network.w2[:, CLASSES_MAX - 1] = 127  # the last class wins, if it counts
+        trial = trial_of(RecognitionRegisters(), network, n_slots=3)
+        found = trial.run(random_owned(rng, 60_000, 3, trial.rel_w, flips=0)).words["m_"]
+        assert (found[:, 3] == CLASSES_MAX - 1).sum() > 5
+
     def test_writes_in_flow_take_effect_between_two_events(self) -> None:
         rng = np.random.default_rng(20305)
         trial = trial_of(random_registers(rng), random_network(rng))

@@ -157,5 +157,5 @@ def test_a_network_of_another_shape_is_refused() -> None:
 
 @pytest.mark.parametrize(("name", "value"), [("window_log2", 7), ("scale_start", 4096), ("classes", 1), ("margin_min", -1)])
 def test_a_register_outside_its_range_is_refused(name: str, value: int) -> None:
-    with pytest.raises(ConfigError, match=rf"recognition.{name} = {value}: must be an integer from"):
+    with pytest.raises(ConfigError, match=rf"recognition.{name} = {value}: must be from "):
         RecognitionRegisters(**{name: value})

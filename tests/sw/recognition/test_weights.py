@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,7 @@ def test_a_file_of_the_users_is_kept(tmp_path: Path) -> None:
         ),
         ({"class_ids": np.array([1, 2, 3])}, "checksum"),
         ({"w1": np.array([None])}, "is damaged, or no npz file"),
+        ({"w1": np.zeros(1 << 20, np.int8)}, "w1 is longer: must be at most 65536 bytes"),
     ],
 )
 def test_a_changed_file_is_refused(tmp_path: Path, arrays: dict[str, Any], message: str) -> None:
@@ -85,6 +87,22 @@ def test_what_is_no_weights_is_refused(tmp_path: Path) -> None:
         (tmp_path / "cut.npz").write_bytes((tmp_path / "w.npz").read_bytes()[:length])
         with pytest.raises(ConfigError, match=r"cut.npz: is damaged, or no npz file"):
             Weights.load(tmp_path / "cut.npz")
+
+
+@pytest.mark.parametrize("shape", [(10**6, 10**6), (10**12, 10**12)])
+def test_an_array_that_claims_more_than_it_holds_is_refused(tmp_path: Path, shape: tuple[int, int]) -> None:
+    path = changed(tmp_path)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in members.items():
+            with archive.open(name, "w") as member:
+                if name == "w1.npy":
+                    np.lib.format.write_array_header_1_0(member, {"descr": "|i1", "fortran_order": False, "shape": shape})
+                else:
+                    member.write(content)
+    with pytest.raises(ConfigError, match=r"changed.npz: is damaged, or no npz file"):
+        Weights.load(path)
 
 
 @pytest.mark.parametrize("class_ids", [(1, 2), (1, 2, 2), (1, 2, 3, 4)])

@@ -69,17 +69,10 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         sensor, first_us = file.sensor, file.t0_us
 
         def key() -> str:
+            classes = weights and weights.checksum
             return work_key(
-                file.path,
-                "track",
-                options.engine,
-                settings,
-                filters,
-                sensor,
-                window,
-                options.skip_damaged,
-                weights and weights.checksum,
-            )
+                file.path, "track", options.engine, settings, filters, sensor, window, options.skip_damaged, classes
+            )  # fmt: skip
 
         # The state of another package's tracker cannot be read back safely.
         every = 0 if ENGINES[options.engine].plug_in else options.checkpoint
