@@ -73,6 +73,8 @@ def label_windows(windows: TrackWindows, labels: Boxes) -> LabelledWindows:
     Boxes are taken at the instant nearest to the window's end.
     """
     instants_us, rows = labels.instants_us, labels.rows
+    if not len(instants_us):
+        return LabelledWindows(windows.images, np.full(len(windows.t_us), UNLABELLED), windows.states["track_id"])
     begins = np.searchsorted(rows["instant"], np.arange(len(instants_us) + 1))
     after = np.clip(np.searchsorted(instants_us, windows.t_us), 1, max(len(instants_us) - 1, 1))
     before_us = windows.t_us - instants_us[after - 1]
@@ -106,7 +108,7 @@ def train(windows: LabelledWindows, registers: RecognitionRegisters, tracker: st
     images = windows.images[labelled]
     class_ids, target, counts = np.unique(windows.class_id[labelled], return_inverse=True, return_counts=True)
     if not 2 <= len(class_ids) <= CLASSES_MAX:
-        raise ConfigError(f"labels have {len(class_ids)} classes in the tracks found: must be 2 to {CLASSES_MAX}")
+        raise ConfigError(f"number of labelled classes in the tracks found is {len(class_ids)}: must be 2 to {CLASSES_MAX}")
     if counts.min() < WINDOWS_MIN:
         few = int(np.argmin(counts))
         rule = f"must be at least {WINDOWS_MIN}: label more recordings of this class"

@@ -84,7 +84,8 @@ def test_a_margin_that_nothing_reaches_gives_none_of_the_classes(trained: Path, 
     ("arguments", "message"),
     [
         (["train", "a.aedat4", "--labels", "a.json", "b.json"], "2 files of labels, 1 recordings: must be one for each"),
-        (["train", "a.aedat4", "--labels", "a.json"], "labels have 1 classes in the tracks found: must be 2 to 10"),
+        (["train", "a.aedat4", "--labels", "none.txt", "--frame-us", "10000"], "none.txt: no track of a.aedat4 is in a box"),
+        (["train", "a.aedat4", "--labels", "a.json"], "number of labelled classes in the tracks found is 1: must be 2 to 10"),
         (["train", "a.aedat4", "--labels", "far.json"], "far.json: no track of a.aedat4 is in a box"),
         (
             ["train", "a.aedat4", "b.aedat4", "--labels", "a.json", "b.json", "--window-log2", "12"],
@@ -110,6 +111,7 @@ def test_a_mistake_is_one_line_and_writes_nothing(
     for box in far["annotations"]:
         box["bbox"] = [0, 0, 5, 5]
     Path("far.json").write_text(json.dumps(far))
+    Path("none.txt").touch()
     output = "out.parquet" if message is None else "out.npz"
     assert main([*arguments, "-o", output]) == 2
     said = capsys.readouterr().err.splitlines()

@@ -88,7 +88,7 @@ def test_a_class_with_too_few_windows_is_refused() -> None:
     class_id = np.r_[np.full(49, 1), np.full(71, 2)]
     with pytest.raises(ConfigError, match=r"class 1 has 49 windows: must be at least 50"):
         train(LabelledWindows(images, class_id, class_id), REGISTERS, "cot_motion")
-    with pytest.raises(ConfigError, match=r"labels have 1 classes in the tracks found: must be 2 to 10"):
+    with pytest.raises(ConfigError, match=r"number of labelled classes in the tracks found is 1: must be 2 to 10"):
         train(LabelledWindows(images[:99], np.full(99, 2), class_id), REGISTERS, "cot_motion")
     with pytest.raises(ConfigError, match=r"labels have 0 classes"):
         train(LabelledWindows(images, np.full(120, UNLABELLED), class_id), REGISTERS, "cot_motion")
