@@ -90,7 +90,7 @@ def test_a_class_with_too_few_windows_is_refused() -> None:
         train(LabelledWindows(images, class_id, class_id), REGISTERS, "cot_motion")
     with pytest.raises(ConfigError, match=r"number of labelled classes in the tracks found is 1: must be 2 to 10"):
         train(LabelledWindows(images[:99], np.full(99, 2), class_id), REGISTERS, "cot_motion")
-    with pytest.raises(ConfigError, match=r"labels have 0 classes"):
+    with pytest.raises(ConfigError, match=r"number of labelled classes in the tracks found is 0: must be 2 to 10"):
         train(LabelledWindows(images, np.full(120, UNLABELLED), class_id), REGISTERS, "cot_motion")
 
 
