@@ -19,7 +19,7 @@
 `include "evcot_defs.vh"
 
 module classifier #(
-    parameter N        = 8,   // slots of the tracker
+    parameter N  = 8,   // of the tracker
     parameter RADIX_W  = 8,   // two less than the bits of a relative address
     parameter ID_W     = 16,  // bits of a track id
     parameter SEQ_W    = 32,  // bits of an event's number
@@ -139,9 +139,9 @@ module classifier #(
     wire [SEQ_W-1:0]  window_seq;
 
     classifier_windows #(
-        .N    (N),
-        .ID_W (ID_W),
-        .SEQ_W(SEQ_W)
+        .N(N),
+        .ID_W   (ID_W),
+        .SEQ_W  (SEQ_W)
     ) u_windows (
         .clk        (clk),
         .rst        (rst),
@@ -173,8 +173,8 @@ module classifier #(
     wire [2:0]        cell_lane;
 
     classifier_cell #(
-        .N    (N),
-        .REL_W(REL_W)
+        .N(N),
+        .REL_W  (REL_W)
     ) u_cell (
         .clk        (clk),
         .rst        (rst),
@@ -252,8 +252,8 @@ module classifier #(
     wire [7:0]  verdict_windows;
 
     classifier_evaluator #(
-        .N    (N),
-        .ROW_W(ROW_W)
+        .N(N),
+        .ROW_W  (ROW_W)
     ) u_evaluator (
         .clk        (clk),
         .rst        (rst),

@@ -18,7 +18,7 @@
 `default_nettype none
 
 module classifier_evaluator #(
-    parameter N       = 8,   // slots of the tracker
+    parameter N = 8,
     parameter ROW_W   = 10,  // bits of a row's number
     parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (

@@ -13,7 +13,7 @@
 `default_nettype none
 
 module classifier_image #(
-    parameter N       = 8,   // slots of the tracker
+    parameter N = 8,
     parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,

@@ -12,7 +12,7 @@
 `default_nettype none
 
 module classifier_windows #(
-    parameter N       = 8,   // slots of the tracker
+    parameter N = 8,
     parameter ID_W    = 16,  // bits of a track id
     parameter SEQ_W   = 32,  // bits of an event's number
     parameter SETTLE  = 12,  // clocks after which the closing event is in the image
