@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 import evcot
 from evcot.hough.contract import HoughConfig
 from evcot.hough.transform import HoughTransform
-from evcot.ranges import Range
+from evcot.ranges import setting
 from evcot.scenes.shapes import quadrangles
 from evcot.scenes.stage import StageSettings, SteadyStage, film, texture
 from evcot.scenes.truth import TRUTH
@@ -42,13 +42,12 @@ CIRCLE_LEAK_LOG2 = {1: 5, 4: 6}  # by number of discs: the better of 5, 6, 7 on 
 
 @dataclass(frozen=True)
 class Bars(StageSettings):
-    """Bars that turn, transparent for no other."""
+    """Bars that turn; where two overlap, one hides the other."""
 
     NAME: ClassVar[str] = "bars"
-    RANGES: ClassVar[dict[str, Range]] = {"count": (1, 16, "how many bars"), "turn_rad_s": (0.1, 100.0, "turning speed")}
 
-    count: int = 1
-    turn_rad_s: float = 1.0
+    count: int = setting(1, 1, 16, "how many bars")
+    turn_rad_s: float = setting(1.0, 0.1, 100.0, "turning speed")
 
 
 class BarStage(SteadyStage):

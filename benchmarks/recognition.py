@@ -5,7 +5,8 @@
     python benchmarks/recognition.py --all     # also what costs how much, a baseline, and other objects
 
 The network of a fold is trained on windows that the tracker has found of the other 700 samples, of both kinds together.
-A track's class is that of its last verdict; its true class that of the labelled box which most of its windows lie in.
+A track's class is that of all its windows together, as in the last verdict of up to 128 windows; its true class that of the
+labelled box which most of its windows lie in.
 """
 
 from __future__ import annotations
@@ -27,10 +28,15 @@ from evcot.metrics.truth import GroundTruth
 from evcot.recognition.contract import CELLS, HIDDEN, HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
 from evcot.recognition.model import Classifier, Network, OwnedEvents
 from evcot.recognition.tracker import TrackWindows, WindowTracker, joined
-from evcot.recognition.training import _LOGITS as LOGITS
-from evcot.recognition.training import _SCALE as SCALE
-from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, train
-from evcot.recognition.training import _fitted as fitted
+from evcot.recognition.training import (
+    INPUT_COUNTS,
+    LOGITS_MAX,
+    UNLABELLED,
+    LabelledWindows,
+    fitted,
+    label_windows,
+    train,
+)
 from evcot.recognition.weights import Weights
 from evcot.trackers.presets import MOTION, fit
 from evcot.tracks.formats.base import BOX, Boxes
@@ -171,12 +177,12 @@ def int8(windows: LabelledWindows, seed: int) -> Callable[[NDArray[np.uint8]], N
 def in_float(windows: LabelledWindows, seed: int) -> Callable[[NDArray[np.uint8]], NDArray[np.float64]]:
     """The same network before it is quantised."""
     target = np.unique(windows.class_id[windows.class_id != UNLABELLED], return_inverse=True)[1]
-    inputs = windows.images[windows.class_id != UNLABELLED].astype(np.float32) / SCALE
+    inputs = windows.images[windows.class_id != UNLABELLED].astype(np.float32) / INPUT_COUNTS
     w1, w2 = fitted(inputs, target, 10, np.random.default_rng(seed))
 
     def loss(images: NDArray[np.uint8]) -> NDArray[np.float64]:
-        scores = np.maximum(images.astype(np.float32) / SCALE @ w1, 0) @ w2
-        return np.minimum(scores.max(axis=1, keepdims=True) - scores, LOGITS).astype(np.float64)
+        scores = np.maximum(images.astype(np.float32) / INPUT_COUNTS @ w1, 0) @ w2
+        return np.minimum(scores.max(axis=1, keepdims=True) - scores, LOGITS_MAX).astype(np.float64)
 
     return loss
 

@@ -27,11 +27,11 @@ _ADDED_BY = {
     "cosim": "runs:add_cosim", "track": "tracking:add_track", "live": "tracking:add_live", "info": "recordings:add_recordings",
     "convert": "recordings:add_recordings", "filter": "recordings:add_filter", "simulate": "recordings:add_simulate",
     "train": "tracking:add_train", "evaluate": "tracking:add_evaluate", "report": "runs:add_report",
-    "plot": "drawings:add_plot",
-    "render": "drawings:add_render", "boxes": "tracking:add_boxes", "anomalies": "tracking:add_anomalies",
-    "sweep": "sweeps:add_sweep", "tune": "sweeps:add_tune", "waves": "hardware:add_waves", "assert": "hardware:add_waves",
-    "vectors": "hardware:add_vectors", "toggles": "hardware:add_toggles", "board": "hardware:add_board",
-    "bench": "hardware:add_bench", "presets": "tracking:add_presets",
+    "plot": "drawings:add_plot", "render": "drawings:add_render", "boxes": "tracking:add_boxes",
+    "anomalies": "tracking:add_anomalies", "sweep": "sweeps:add_sweep", "tune": "sweeps:add_tune",
+    "waves": "hardware:add_waves", "assert": "hardware:add_waves", "vectors": "hardware:add_vectors",
+    "toggles": "hardware:add_toggles", "board": "hardware:add_board", "bench": "hardware:add_bench",
+    "presets": "tracking:add_presets",
 }  # fmt: skip
 
 _EXAMPLES = """examples:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands about tracks: `evcot track`, `live`, `evaluate`, `boxes`, `anomalies` and `presets`."""
+"""Commands about tracks: `evcot track`, `live`, `train`, `evaluate`, `boxes`, `anomalies` and `presets`."""
 
 from __future__ import annotations
 

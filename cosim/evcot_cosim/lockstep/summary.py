@@ -67,8 +67,8 @@ def summarise(run: CosimRun, command: str, truth: Truth | None = None) -> dict[s
     summary = _figures(
         run, recording.name, (recording.width, recording.height), recording.duration_us, tallies,
         {name: life_lengths(lifetimes(log, end_us)) for name, log in logs.items()}, run.agreement,
+        exact=_identical(run.hardware, run.model),
     )  # fmt: skip
-    summary["exact"] = _identical(run.hardware, run.model)
     judged = {"hardware": run.hardware, "software": run.software}
     summary |= _provenance(command) | ({"truth": truth.figures(judged)} if truth else {})
     return summary | {"verdict": verdict_of(recording, judged, summary).to_dict()}
@@ -83,7 +83,8 @@ def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Q
     tallies = {"hardware": run.hardware_tally, "software": run.software_tally}
     lengths = {name: life_lengths(own) for name, own in zip(tallies, comparison.lives, strict=True)}
     duration_us, agreement = run.end_us - run.begin_us, comparison.agreement()
-    summary = _figures(run, run.name, run.sensor, duration_us, tallies, lengths, agreement) | _provenance(command)
+    # Every chunk was compared.
+    summary = _figures(run, run.name, run.sensor, duration_us, tallies, lengths, agreement, exact=True) | _provenance(command)
     return summary | {"verdict": verdict_by(figures, summary).to_dict()}
 
 
@@ -95,13 +96,15 @@ def _figures(
     tallies: Mapping[str, Tally],
     lengths: Mapping[str, Any],
     agreement: Agreement,
+    *,
+    exact: bool,
 ) -> dict[str, Any]:
-    """What a run was, and what was counted; exact, as one of which every chunk was compared."""
+    """What a run was, and what was counted."""
     hardware, recording_s = tallies["hardware"], duration_us / 1e6
     events = hardware.events
     return {
         "name": name,
-        "exact": True,
+        "exact": exact,
         "events": events,
         "records": sum(hardware.kinds.values()),
         "recording_s": recording_s,

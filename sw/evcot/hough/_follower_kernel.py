@@ -40,6 +40,17 @@ _TURN_RAD_S, _SLIDE_PX_S, _PLACE_PX = 10.0, 100.0, 2.0
 
 @njit(cache=True, nogil=True)
 def follow(t_us, x, y, index, step_rad, slots, counts, lines):  # type: ignore[no-untyped-def]
+    """Follow lines through a run of spikes.
+
+    Args:
+        t_us, x, y, index: (n,), time, pixel from the middle of the sensor, and index of the angle of each spike.
+        step_rad: from one angle to the next.
+        slots, counts: (SLOTS, FIELDS) and (2,), the state: lines and candidates; numbers of spikes and of ids so far.
+        lines: the columns of `follower.LINE`, (n,) each, which are filled in.
+
+    Returns:
+        Number of entries in `lines`.
+    """
     out_t, out_id, out_angle, out_rho, out_turn = lines
     count = 0
     for i in range(len(t_us)):

@@ -66,6 +66,7 @@ def _shares(config: HoughConfig) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
 
 @njit(cache=True, nogil=True)
 def _transform(x, y, from_x, from_y, cells, rows, potentials, counts, leak_log2, event, angle, rho):  # type: ignore[no-untyped-def]
+    """Rules H1 to H4 for a run of events; `event`, `angle` and `rho` are filled in. Returns the number of spikes."""
     angles = len(rows)
     width, height = len(from_x), len(from_y)
     n, first = counts

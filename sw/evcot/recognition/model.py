@@ -51,16 +51,13 @@ class Network:
     w2: NDArray[np.int8]
 
     def __post_init__(self) -> None:
-        for name, wanted in (("w1", f"({CELLS**2}, {HIDDEN})"), ("w2", f"({HIDDEN}, 2 to {CLASSES_MAX})")):
-            array = getattr(self, name)
-            if array.dtype != np.int8 or not _fits(name, array.shape):
+        of_w1, of_w2 = [(CELLS**2, HIDDEN)], [(HIDDEN, classes) for classes in range(2, CLASSES_MAX + 1)]
+        for name, array, shapes, wanted in (
+            ("w1", self.w1, of_w1, f"({CELLS**2}, {HIDDEN})"),
+            ("w2", self.w2, of_w2, f"({HIDDEN}, 2 to {CLASSES_MAX})"),
+        ):
+            if array.dtype != np.int8 or array.shape not in shapes:
                 raise ConfigError(f"{name} is {array.shape} {array.dtype}: must be {wanted} int8")
-
-
-def _fits(name: str, shape: tuple[int, ...]) -> bool:
-    if name == "w1":
-        return shape == (CELLS**2, HIDDEN)
-    return len(shape) == 2 and shape[0] == HIDDEN and 2 <= shape[1] <= CLASSES_MAX
 
 
 class Closed(NamedTuple):

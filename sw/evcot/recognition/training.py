@@ -20,7 +20,18 @@ from .model import Network
 from .tracker import TrackWindows, WindowTracker, joined
 from .weights import Weights
 
-__all__ = ["UNLABELLED", "WINDOWS_MIN", "LabelledWindows", "label_windows", "registers_for", "train", "windows_of"]
+__all__ = [
+    "INPUT_COUNTS",
+    "LOGITS_MAX",
+    "UNLABELLED",
+    "WINDOWS_MIN",
+    "LabelledWindows",
+    "fitted",
+    "label_windows",
+    "registers_for",
+    "train",
+    "windows_of",
+]
 
 UNLABELLED = -1
 WINDOWS_MIN = 50  # of a class
@@ -28,8 +39,8 @@ _EPOCHS, _BATCH = 40, 256
 _RATE, _DECAY = 2e-3, 0.05  # of Adam, and decay of weights per step in units of the rate
 _DROP = 0.1  # share of cells left out in training
 _DISTORTION, _SHIFT = 0.1, 0.3  # standard deviations in training: of an affine change, and of a shift in cells
-_SCALE = 4.0  # counts per unit of the network's input in training
-_LOGITS = 6.0  # distance from the best class at which a loss is limited
+INPUT_COUNTS = 4.0  # counts per unit of the network's input in training
+LOGITS_MAX = 6.0  # distance from the best class at which a loss is limited
 _OBJECT_CELLS = CELLS / 1.25  # side of a labelled object in the image of a track's first window
 
 
@@ -113,16 +124,24 @@ def train(windows: LabelledWindows, registers: RecognitionRegisters, tracker: st
         few = int(np.argmin(counts))
         rule = f"must be at least {WINDOWS_MIN}: label more recordings of this class"
         raise ConfigError(f"class {class_ids[few]} has {counts[few]} windows: {rule}")
-    w1, w2 = _fitted(images.astype(np.float32) / _SCALE, target, len(class_ids), np.random.default_rng(seed))
-    network, shift_1, shift_2 = _quantised(w1 / _SCALE, w2, images)
+    w1, w2 = fitted(images.astype(np.float32) / INPUT_COUNTS, target, len(class_ids), np.random.default_rng(seed))
+    network, shift_1, shift_2 = _quantised(w1 / INPUT_COUNTS, w2, images)
     own = replace(registers, shift_1=shift_1, shift_2=shift_2, classes=len(class_ids))
     return Weights(network, own, tuple(class_ids.tolist()), tracker)
 
 
-def _fitted(
+def fitted(
     inputs: NDArray[np.float32], target: NDArray[np.int64], classes: int, random: np.random.Generator
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Weights of both layers: Adam on the cross-entropy, with a rate that falls as a cosine."""
+    """Weights of both layers before they are quantised: Adam on the cross-entropy, with a rate that falls as a cosine.
+
+    Args:
+        inputs: (n, CELLS^2), counts / `INPUT_COUNTS`.
+        target: (n,), classes from 0.
+
+    Returns:
+        (CELLS^2, HIDDEN) and (HIDDEN, classes).
+    """
     n = len(inputs)
     weights = [
         random.normal(0, math.sqrt(2 / inputs.shape[1]), (inputs.shape[1], HIDDEN)).astype(np.float32),
@@ -181,5 +200,5 @@ def _quantised(w1: NDArray[np.float32], w2: NDArray[np.float32], images: NDArray
     top = float(np.quantile((some @ whole_1.astype(np.int64)).max(axis=1), 0.99))
     shift_1 = max(math.ceil(math.log2(max(top, 1) / HIDDEN_MAX)), 0)
     per_logit = per_1 * per_2 / 2**shift_1
-    shift_2 = min(max(round(math.log2(per_logit * _LOGITS / LOSS_MAX)), 0), 15)
+    shift_2 = min(max(round(math.log2(per_logit * LOGITS_MAX / LOSS_MAX)), 0), 15)
     return Network(whole_1, whole_2), shift_1, shift_2

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -79,14 +79,16 @@ class Weights:
         checksum = str(arrays.pop("checksum"))
         if checksum != _checksum(arrays):
             raise ConfigError(f"{path}: checksum = {checksum!r}: must be {_checksum(arrays)!r}: the file is damaged")
+        for name, count in (("registers", len(fields(RecognitionRegisters))), ("class_ids", arrays["class_ids"].size)):
+            array = arrays[name]
+            if array.dtype != np.int64 or array.shape != (count,):
+                raise ConfigError(f"{path}: {name} is {array.shape} {array.dtype}: must be ({count},) int64")
         try:
             registers = RecognitionRegisters(*arrays["registers"].tolist())
             class_ids = tuple(arrays["class_ids"].tolist())
             return cls(Network(arrays["w1"], arrays["w2"]), registers, class_ids, str(arrays["tracker"]))
         except ConfigError as error:
             raise ConfigError(f"{path}: {error}") from error
-        except TypeError as error:
-            raise ConfigError(f"{path}: registers has {arrays['registers'].size} values: must be of this version") from error
 
     @property
     def checksum(self) -> str:

@@ -87,12 +87,13 @@ def last_until(
         keys, times: (k,) of the rows.
         key, until: (n,) which are asked for.
     """
-    found = np.full(len(key), -1, np.int64)
-    for one in np.intersect1d(keys, key):
-        own, mine = np.flatnonzero(keys == one), np.flatnonzero(key == one)
-        place = np.searchsorted(times[own], until[mine], "right") - 1
-        found[mine[place >= 0]] = own[place[place >= 0]]
-    return found
+    rows = len(keys)
+    both = np.concatenate((keys, key))
+    order = np.lexsort((np.concatenate((times, until)), both))  # stable: of equal times the rows come first
+    last = np.maximum.accumulate(np.where(order < rows, np.arange(len(order)), -1))
+    found = np.empty(len(order), np.int64)
+    found[order] = np.where((last >= 0) & (both[order[last]] == both[order]), order[last], -1)
+    return found[rows:]
 
 
 BEGIN_US = -(2**60)  # the earliest time of a record

@@ -73,6 +73,26 @@ def test_a_changed_file_is_refused(tmp_path: Path, arrays: dict[str, Any], messa
         Weights.load(path)
 
 
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"registers": np.arange(5)}, r"registers is \(5,\) int64: must be \(6,\) int64"),
+        ({"registers": np.full(6, "8")}, r"registers is \(6,\) <U1: must be \(6,\) int64"),
+        ({"registers": np.full(6, 99)}, r"recognition\.window_log2 = 99: must be from 8 to 12 \(a window has"),
+        ({"class_ids": np.array(["a", "b", "c"])}, r"class_ids is \(3,\) <U1: must be \(3,\) int64"),
+        ({"class_ids": np.array(3)}, r"class_ids is \(\) int64: must be \(1,\) int64"),
+        ({"w2": np.zeros((HIDDEN, 3))}, r"w2 is \(32, 3\) float64: must be \(32, 2 to 10\) int8"),
+    ],
+)
+def test_a_file_with_a_right_checksum_is_still_checked(tmp_path: Path, arrays: dict[str, Any], message: str) -> None:
+    (tmp_path / "right").mkdir()
+    with pytest.raises(ConfigError, match=r"must be '[0-9a-f]{16}': the file is damaged") as refused:
+        Weights.load(changed(tmp_path, **arrays))
+    checksum = str(refused.value).rsplit("'", 2)[1]
+    with pytest.raises(ConfigError, match=rf"changed\.npz: {message}"):
+        Weights.load(changed(tmp_path / "right", checksum=np.array(checksum), **arrays))
+
+
 def test_what_is_no_weights_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"missing.npz: cannot be read: No such file"):
         Weights.load(tmp_path / "missing.npz")
