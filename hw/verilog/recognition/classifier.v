@@ -5,12 +5,12 @@
 //                                               ^                 classifier_weights   |
 //                                               +------------- fit --------------------+
 //
-// An owned event is taken in every clock in which s_valid is high. A write of a register waits for the windows in the queue; it takes
-// effect before the event of the clock in which it is accepted. Weights can be written and read while `enable` is 0, else weight_ready
-// is low. Verdicts wait in a queue; one that finds it full is lost, which `lost` says for a clock.
+// An owned event is taken in every clock in which s_valid is high. A write of a register waits for the windows in the queue. It
+// takes effect before the event of the clock in which it is accepted. Weights can be written and read while `enable` is 0, else
+// weight_ready is low. Verdicts wait in a queue. A verdict that finds the queue full is lost, and `lost` is high for a clock.
 //
-// Latency:    from the event that closes a window to its verdict 760 clocks, plus 746 for each verdict, and 112 for each first window
-//             of a track, that is due before it.
+// Latency:    from the event that closes a window to its verdict 760 clocks; 746 more for each verdict that is due before it, and
+//             112 more for each first window of a track.
 // Throughput: 1 event per clock; windows as rule Q2 says.
 // Stall:      verdicts are held until accepted. Owned events are never stalled.
 // Reset:      registers get their defaults, windows and queues become empty. Weights stay.
@@ -19,13 +19,13 @@
 `include "evcot_defs.vh"
 
 module classifier #(
-    parameter N  = 8,   // of the tracker
+    parameter N        = 8,   // slots of the tracker
     parameter RADIX_W  = 8,   // two less than the bits of a relative address
     parameter ID_W     = 16,  // bits of a track id
     parameter SEQ_W    = 32,  // bits of an event's number
     parameter VERDICTS = 1,   // that wait for m_ready
     parameter SLOT_W   = (N > 1) ? $clog2(N) : 1,  // derived: leave it alone
-    parameter ROW_W    = (N > 16) ? 11 : 10              // derived: leave it alone
+    parameter ROW_W    = (N > 16) ? 11 : 10        // derived: leave it alone
 ) (
     input  wire               clk,
     input  wire               rst,
@@ -139,9 +139,9 @@ module classifier #(
     wire [SEQ_W-1:0]  window_seq;
 
     classifier_windows #(
-        .N(N),
-        .ID_W   (ID_W),
-        .SEQ_W  (SEQ_W)
+        .N    (N),
+        .ID_W (ID_W),
+        .SEQ_W(SEQ_W)
     ) u_windows (
         .clk        (clk),
         .rst        (rst),
@@ -173,8 +173,8 @@ module classifier #(
     wire [2:0]        cell_lane;
 
     classifier_cell #(
-        .N(N),
-        .REL_W  (REL_W)
+        .N    (N),
+        .REL_W(REL_W)
     ) u_cell (
         .clk        (clk),
         .rst        (rst),
@@ -252,8 +252,8 @@ module classifier #(
     wire [7:0]  verdict_windows;
 
     classifier_evaluator #(
-        .N(N),
-        .ROW_W  (ROW_W)
+        .N    (N),
+        .ROW_W(ROW_W)
     ) u_evaluator (
         .clk        (clk),
         .rst        (rst),

@@ -12,9 +12,9 @@
 `default_nettype none
 
 module classifier_cell #(
-    parameter N = 8,
-    parameter REL_W   = 10,  // bits of a relative address
-    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+    parameter N      = 8,   // slots of the tracker
+    parameter REL_W  = 10,  // bits of a relative address
+    parameter SLOT_W = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,

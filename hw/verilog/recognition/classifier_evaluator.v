@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Windows to verdicts: rules F and V of docs/recognition.md, one window after the other.
 //
-// Rows of the weights, each read with a word of the image, 18 to a unit: units 0 to 4 are the moments of the fit, whose weights are
-// constants, units 5 to 36 the hidden layer. Every sum comes out of classifier_sum.v. One multiplier more corrects the normalisation
-// with the moments, and then multiplies hidden units with the second layer's weights, the ninth of the last ten rows of the next unit.
-// One shifter serves shift_1, shift_2 and the fit. After a moment the field that it corrects is read; it and the votes are in the
-// rows of the slot, behind the weights.
+// A unit is a sum over 18 rows of the weights, each read with a word of the image. Units 0 to 4 are the moments of the fit, whose
+// weights are constants, units 5 to 36 the hidden layer. classifier_sum.v forms all sums. One more multiplier corrects the
+// normalisation with the moments, and then multiplies hidden units with the second layer's weights: the ninth weights in the last
+// ten rows of the next unit. One shifter serves shift_1, shift_2 and the fit. After a moment the field that it corrects is read.
+// The fields and the votes are in the rows of the slot, behind the weights.
 //
 // Cycles within a window count from the one in which the last word of a unit is addressed: weights and cells come in cycle 2, the
 // sum in 8, a hidden unit in 11; of a moment its product in 10, the correction in 12, the field in 14.
@@ -18,9 +18,9 @@
 `default_nettype none
 
 module classifier_evaluator #(
-    parameter N = 8,
-    parameter ROW_W   = 10,  // bits of a row's number
-    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+    parameter N      = 8,   // slots of the tracker
+    parameter ROW_W  = 10,  // bits of a row's number
+    parameter SLOT_W = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -90,11 +90,11 @@ module classifier_evaluator #(
     reg [ROW_W-1:0] row_reg;
     reg [4:0]       step;
 
-    wire in_moment   = unit < HIDDEN_FIRST;
-    wire on_field    = word_reg == WORD_LAST + 5'd1;  // after the words of a moment
-    wire rows_end    = (s_young && unit == HIDDEN_FIRST - 6'd1 && on_field) || (unit == OUTPUT_LAST && word_reg == NINTH_LAST);
-    wire is_class    = in_votes && !s_young && step >= STEP_CLASS && step <= STEP_LAST;
-    wire [3:0] class_0     = step[3:0] - STEP_CLASS[3:0];
+    wire in_moment = unit < HIDDEN_FIRST;
+    wire on_field  = word_reg == WORD_LAST + 5'd1;  // after the words of a moment
+    wire rows_end  = (s_young && unit == HIDDEN_FIRST - 6'd1 && on_field) || (unit == OUTPUT_LAST && word_reg == NINTH_LAST);
+    wire is_class  = in_votes && !s_young && step >= STEP_CLASS && step <= STEP_LAST;
+    wire [3:0] class_0 = step[3:0] - STEP_CLASS[3:0];
 
     assign word   = word_reg;
     assign s_done = in_votes && step == STEP_DONE;
@@ -136,15 +136,15 @@ module classifier_evaluator #(
 
     // ---- what is under way, by cycle ---------------------------------------------------------------------------------
 
-    reg [2:1] adds, begins;       // rows of a sum
-    reg [8:1] ends_moment;
+    reg [2:1]  adds, begins;  // rows of a sum
+    reg [8:1]  ends_moment;
     reg [10:1] ends_hidden;
-    reg [2:1] reads_field;
+    reg [2:1]  reads_field;
     reg [14:9] fits;
-    reg [4:1] multiplies;         // with weights of the second layer
-    reg [2:1] reads_voted;
-    reg [5:1] is_class_d;
-    reg [19:0] class_d;           // class_0 of the last five clocks
+    reg [4:1]  multiplies;    // with weights of the second layer
+    reg [2:1]  reads_voted;
+    reg [5:1]  is_class_d;
+    reg [19:0] class_d;       // class_0 of the last five clocks
 
     wire is_ninth = in_rows && unit > HIDDEN_FIRST && word_reg >= NINTH_FIRST && word_reg <= NINTH_LAST;
     wire [3:0] ninth_0 = word_reg[3:0] - NINTH_FIRST[3:0];

@@ -13,8 +13,8 @@
 `default_nettype none
 
 module classifier_image #(
-    parameter N = 8,
-    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+    parameter N      = 8,  // slots of the tracker
+    parameter SLOT_W = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -44,10 +44,10 @@ module classifier_image #(
 
     reg [WORDS-1:0] written [0:N-1];
 
-    wire [WORDS-1:0] known     = s_first ? {WORDS{1'b0}} : written[s_slot];
-    wire [WORDS-1:0] this_word = {{(WORDS - 1) {1'b0}}, 1'b1} << s_word;
+    wire [WORDS-1:0] known       = s_first ? {WORDS{1'b0}} : written[s_slot];
+    wire [WORDS-1:0] this_word   = {{(WORDS - 1) {1'b0}}, 1'b1} << s_word;
     wire [WORDS-1:0] was_written = known >> s_word;
-    wire [WORDS-1:0] to_read   = written[read_slot] >> read_word;
+    wire [WORDS-1:0] to_read     = written[read_slot] >> read_word;
 
     always @(posedge clk) begin
         if (s_valid) written[s_slot] <= known | this_word;

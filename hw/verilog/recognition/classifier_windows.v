@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which owned events count, when windows close, and the queue of closed windows: rules W and Q of docs/recognition.md.
 //
-// An event is decided in the clock in which it is offered. The queue is a ring with four pointers, in this order: windows leave it at
-// `released_to` (rule Q2), have been evaluated up to `evaluated_to`, can be evaluated up to `settled_to`, and enter at `closed_to`.
+// An event is decided in the clock in which it is offered. The queue is a ring with four pointers, in this order: windows leave it
+// at `released_to` (rule Q2), have been evaluated up to `evaluated_to`, can be evaluated up to `settled_to`, and enter at
+// `closed_to`.
 //
 // Latency:    none from s_ to `counts`, `first` and `young`; SETTLE + 1 clocks from a closing event to head_valid.
 // Throughput: 1 event per clock.
@@ -12,11 +13,11 @@
 `default_nettype none
 
 module classifier_windows #(
-    parameter N = 8,
-    parameter ID_W    = 16,  // bits of a track id
-    parameter SEQ_W   = 32,  // bits of an event's number
-    parameter SETTLE  = 12,  // clocks after which the closing event is in the image
-    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+    parameter N      = 8,   // slots of the tracker
+    parameter ID_W   = 16,  // bits of a track id
+    parameter SEQ_W  = 32,  // bits of an event's number
+    parameter SETTLE = 12,  // clocks after which the closing event is in the image
+    parameter SLOT_W = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
     input  wire              rst,
