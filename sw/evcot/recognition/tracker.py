@@ -14,6 +14,7 @@ from ..events import Events
 from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, MotionConfig
 from ..hardware.golden import GoldenTracker
+from ..hardware.model import Decisions
 from ..recordings.formats.source import Sensor
 from ..trackers.config import RunConfig
 from ..trackers.presets import fit
@@ -23,7 +24,7 @@ from .contract import CELLS, NONE, RecognitionRegisters
 from .model import Classifier, OwnedEvents, Windows
 from .weights import Weights
 
-__all__ = ["ClassifyingTracker", "TrackWindows", "WindowTracker", "joined", "start_classifying"]
+__all__ = ["ClassifyingTracker", "TrackClassifier", "TrackWindows", "WindowTracker", "joined", "start_classifying"]
 
 
 class _Newest:
@@ -46,11 +47,11 @@ class _Newest:
         self._past[slots] = records[len(records) - 1 - last]
 
 
-class ClassifyingTracker(GoldenTracker):
-    """The tracker with a classifier. See `tracking.Tracker`.
+class TrackClassifier:
+    """The classifier behind a tracker's decisions: the verdicts of its tracks, in the units of a track log.
 
-    Attributes:
-        verdicts: those so far, (k,) of dtype `VERDICT`, about 50 bytes per K owned events.
+    Args:
+        config: of the tracker.
 
     Raises:
         ConfigError: another tracker than that of the weights.
@@ -59,33 +60,64 @@ class ClassifyingTracker(GoldenTracker):
     def __init__(self, config: CotConfig | MotionConfig, weights: Weights) -> None:
         if config.module != weights.tracker:
             raise ConfigError(f"engine {config.module}: must be {weights.tracker}, the tracker of the weights")
-        super().__init__(config)
         shape = config.shape
         self._classifier = Classifier(weights.registers, weights.network, shape.n_slots, shape.rel_w)
         self._class_ids = np.full(NONE + 1, -1, np.int64)
         self._class_ids[: len(weights.class_ids)] = weights.class_ids
         self._newest = _Newest(shape.n_slots)
-        self.verdicts = no_verdicts()
 
-    def feed(self, events: Events) -> TrackerOutput:
-        """See `tracking.Tracker`."""
-        begin = self._seen
-        records, decided = self.decide(events)
-        raw = self._classifier.feed(OwnedEvents(*decided[1:], self._model.visible))
-        if len(raw):
-            self.verdicts = np.concatenate((self.verdicts, self._verdicts(raw, records, events, begin)))
-        self._newest.fed(records)
-        return records, decided.owner
+    def feed(
+        self, events: Events, first: int, decided: Decisions, visible: NDArray[np.bool_], records: NDArray[np.void]
+    ) -> NDArray[np.void]:
+        """The verdicts of a run of events, (k,) of dtype `VERDICT`.
 
-    def _verdicts(self, raw: NDArray[np.void], records: NDArray[np.void], events: Events, begin: int) -> NDArray[np.void]:
+        Args:
+            first: number of the run's first event.
+            decided, visible: what the tracker decided on the events.
+            records: those of the run, (m,) of dtype `TRACK`.
+        """
+        raw = self._classifier.feed(OwnedEvents(*decided[1:], visible))
         verdicts = np.zeros(len(raw), VERDICT)
         event = raw["seq"].astype(np.int64)
-        verdicts["event_index"], verdicts["t_us"] = event, events.t_us[event - begin]
+        verdicts["event_index"], verdicts["t_us"] = event, events.t_us[event - first]
         for name in ("slot", "margin", "windows"):
             verdicts[name] = raw[name]
         verdicts["class_id"] = self._class_ids[raw["class"]]
         verdicts["track_id"] = self._newest.at(event, raw["slot"].astype(np.int64), records)["track_id"]
+        self._newest.fed(records)
         return verdicts
+
+
+class ClassifyingTracker(GoldenTracker):
+    """The tracker with a classifier. See `tracking.Tracker`.
+
+    Attributes:
+        class_names: of the weights.
+
+    Raises:
+        ConfigError: another tracker than that of the weights.
+    """
+
+    def __init__(self, config: CotConfig | MotionConfig, weights: Weights) -> None:
+        super().__init__(config)
+        self._classifier = TrackClassifier(config, weights)
+        self.class_names = weights.names
+        self._verdicts: list[NDArray[np.void]] = []
+
+    def feed(self, events: Events) -> TrackerOutput:
+        """See `tracking.Tracker`."""
+        first = self._seen
+        records, decided = self.decide(events)
+        verdicts = self._classifier.feed(events, first, decided, self._model.visible, records)
+        if len(verdicts):
+            self._verdicts.append(verdicts)
+        return records, decided.owner
+
+    def take_verdicts(self) -> NDArray[np.void]:
+        """The verdicts since the last call, (k,) of dtype `VERDICT`; about 50 bytes per K owned events wait for it."""
+        taken = np.concatenate([no_verdicts(), *self._verdicts])
+        self._verdicts.clear()
+        return taken
 
 
 def start_classifying(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError, reason_of
 from ..outputs import note_input, written_aside
+from ..tracks.record import ClassNames, check_class_name
 from .contract import RecognitionRegisters
 from .model import Network
 
@@ -22,7 +23,7 @@ __all__ = ["VERSION", "Weights"]
 
 VERSION = 1  # of the contract (docs/recognition.md) that the weights are for
 _ARRAY_BYTES_MAX = 1 << 16  # of a file's array, which may claim anything
-_ARRAYS = ("version", "tracker", "registers", "class_ids", "w1", "w2", "checksum")
+_ARRAYS = ("version", "tracker", "registers", "class_ids", "class_names", "w1", "w2", "checksum")
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,21 +35,43 @@ class Weights:
         registers: of the classifier; K is 2^window_log2.
         class_ids: the number that labels give each class, in the order of the network.
         tracker: name of the module whose owned events it was trained on.
+        class_names: of the classes, in the same order; a class that labels do not name has its number.
 
     Raises:
-        ConfigError: class numbers that are not one for each class of network and registers, or occur twice.
+        ConfigError: class numbers that are not one for each class of network and registers, or occur twice; the same of names.
     """
 
     network: Network
     registers: RecognitionRegisters
     class_ids: tuple[int, ...]
     tracker: str = "cot_motion"
+    class_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         count = self.network.w2.shape[1]
         if not len(set(self.class_ids)) == len(self.class_ids) == count == self.registers.classes:
             shown = ", ".join(map(str, self.class_ids))
             raise ConfigError(f"class_ids = {shown}: must be {count} different numbers, as w2 and registers have classes")
+        if not self.class_names:
+            object.__setattr__(self, "class_names", tuple(map(str, self.class_ids)))
+        for name in self.class_names:
+            check_class_name(name)
+        if not len(set(self.class_names)) == len(self.class_names) == count:
+            shown = ", ".join(self.class_names)
+            raise ConfigError(f"class_names = {shown}: must be {count} different names, one for each of class_ids")
+
+    def named(self, names: ClassNames) -> Weights:
+        """The same with these names of its classes.
+
+        Raises:
+            ConfigError: two classes with one name.
+        """
+        return replace(self, class_names=tuple(names.get(number, str(number)) for number in self.class_ids))
+
+    @property
+    def names(self) -> ClassNames:
+        """The name of each class by its number."""
+        return dict(zip(self.class_ids, self.class_names, strict=True))
 
     def save(self, path: Path | str, *, force: bool = False) -> None:
         """Write an npz file; equal weights give equal files.
@@ -86,7 +109,8 @@ class Weights:
         try:
             registers = RecognitionRegisters(*arrays["registers"].tolist())
             class_ids = tuple(arrays["class_ids"].tolist())
-            return cls(Network(arrays["w1"], arrays["w2"]), registers, class_ids, str(arrays["tracker"]))
+            names = tuple(str(name) for name in arrays["class_names"].ravel().tolist())
+            return cls(Network(arrays["w1"], arrays["w2"]), registers, class_ids, str(arrays["tracker"]), names)
         except ConfigError as error:
             raise ConfigError(f"{path}: {error}") from error
 
@@ -99,6 +123,7 @@ class Weights:
         return {
             "version": np.array(VERSION), "tracker": np.array(self.tracker),
             "registers": np.array(astuple(self.registers), np.int64), "class_ids": np.array(self.class_ids, np.int64),
+            "class_names": np.array(self.class_names, np.str_),
             "w1": self.network.w1, "w2": self.network.w2,
         }  # fmt: skip
 
@@ -120,7 +145,7 @@ def _read(path: Path) -> dict[str, NDArray[Any]]:
                 raise ConfigError(f"{path}: is a single array: must be weights that evcot train wrote")
             missing = [name for name in _ARRAYS if name not in archive.files]
             if missing:
-                raise ConfigError(f"{path}: has no array {missing[0]}: must be weights that evcot train wrote")
+                raise ConfigError(f"{path}: has no array {missing[0]}: must be weights that evcot train wrote: train again")
             assert archive.zip is not None
             for name in _ARRAYS:
                 if archive.zip.getinfo(f"{name}.npy").file_size > _ARRAY_BYTES_MAX:

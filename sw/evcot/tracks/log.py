@@ -17,7 +17,7 @@ from ..dataframes import pandas_frame, polars_frame
 from .log_files import save_log, write_csv, write_npz
 from .npz import NpzFile
 from .parquet import LogFile
-from .record import DROPPED, TRACK, VERDICT, Kind, no_verdicts
+from .record import DROPPED, TRACK, VERDICT, ClassNames, Kind, no_verdicts
 from .suffixes import PARQUET
 from .track import Tracks
 
@@ -52,6 +52,7 @@ class TrackLog:
             filter dropped it.
         recording: the fingerprint of the events (`digest.digest`); empty if it was not computed.
         verdicts: (k,) of dtype `VERDICT`, in chronological order: the classes of tracks, if the tracker had a classifier.
+        class_names: the names of these classes by number; a class without a name is shown by its number.
     """
 
     engine: str
@@ -59,6 +60,7 @@ class TrackLog:
     owner: NDArray[np.int16]
     recording: str = ""
     verdicts: NDArray[np.void] = field(default_factory=no_verdicts)
+    class_names: ClassNames = field(default_factory=dict)
 
     @classmethod
     def empty(cls, engine: str) -> TrackLog:
@@ -144,7 +146,7 @@ class TrackLog:
         if Path(path).suffix.lower() != PARQUET:
             return cls.load_npz(path)
         file = LogFile(path)
-        return cls(file.engine, *file.read(owners=owners), file.recording)
+        return cls(file.engine, *file.read(owners=owners), file.recording, file.verdicts, file.class_names)
 
     def save_npz(self, path: Path | str, *, force: bool = False) -> None:
         """Write the log, compressed; equal logs give identical files.
@@ -165,7 +167,7 @@ class TrackLog:
             TrackLogError: the file is missing, damaged, or not a TrackLog.
         """
         file = NpzFile(path)
-        return cls(file.engine, *file.read(), file.recording, file.verdicts)
+        return cls(file.engine, *file.read(), file.recording, file.verdicts, file.class_names)
 
     def write_csv(self, path: Path | str, *, force: bool = False) -> None:
         """Write the records as CSV: a header, kinds by name, every number with the fewest digits that round-trip exactly.

@@ -20,7 +20,7 @@ from ..outputs import suffix_of, written_aside
 from .column import Column
 from .npz import NpzFile
 from .parquet import LogFile, check_parquet, write_log
-from .record import TRACK, VERDICT, Kind, classes_at
+from .record import TRACK, VERDICT, ClassNames, Kind, class_names_text, classes_at
 from .spool import LogColumns
 from .suffixes import CSV, LOG_SUFFIXES, PARQUET
 
@@ -58,6 +58,10 @@ class RecordRuns(Protocol):
     def verdicts(self) -> NDArray[np.void]:
         """(k,) of dtype `VERDICT`, as of `TrackLog`."""
 
+    @property
+    def class_names(self) -> ClassNames:
+        """As of `TrackLog`."""
+
 
 def open_log(path: Path | str) -> LogFile | NpzFile:
     """The file of a log.
@@ -93,10 +97,8 @@ def save_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None:
 
     Raises:
         OutputError: an unknown suffix, the file exists (without `force`), or it cannot be written.
-        TrackLogError: pyarrow is not installed, or the log has verdicts, which Parquet does not keep.
+        TrackLogError: pyarrow is not installed.
     """
-    if len(log.verdicts) and suffix_of(Path(path), LOG_SUFFIXES) == PARQUET:
-        raise TrackLogError(f"{path}: the log has verdicts, which Parquet does not keep: must be .npz or .csv")
     write = {PARQUET: write_log, CSV: write_csv}.get(suffix_of(Path(path), LOG_SUFFIXES), write_npz)
     write(log, path, force=force)
 
@@ -116,6 +118,9 @@ def write_npz(log: LogColumns, path: Path | str, *, force: bool = False) -> None
         arrays["recording"] = (np.array(log.recording).dtype, np.array(log.recording))
     if len(log.verdicts):
         arrays["verdicts"] = (VERDICT, log.verdicts)
+    if log.class_names:
+        names = np.array(class_names_text(log.class_names))
+        arrays["class_names"] = (names.dtype, names)
     with (
         written_aside(Path(path), force=force) as file,
         zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,

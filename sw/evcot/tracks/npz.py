@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 from ..outputs import note_input
-from .record import TRACK, VERDICT, no_verdicts
+from .record import TRACK, VERDICT, class_names_from, no_verdicts
 from .suffixes import CSV
 
 __all__ = ["NpzFile"]
@@ -30,15 +30,16 @@ _ARRAYS: dict[str, tuple[np.dtype[Any] | None, int]] = {
     "records": (TRACK, 1),
     "owner": (_OWNER, 1),
     "verdicts": (VERDICT, 1),
+    "class_names": (None, 0),
 }
-_OPTIONAL = "recording", "verdicts"
+_OPTIONAL = "recording", "verdicts", "class_names"
 
 
 class NpzFile:
     """A log as an npz file.
 
     Attributes:
-        path, engine, recording: the file; as of `TrackLog`.
+        path, engine, recording, class_names: the file; as of `TrackLog`.
 
     Raises:
         TrackLogError: the file is missing, damaged, or not a TrackLog.
@@ -47,7 +48,7 @@ class NpzFile:
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         note_input(path)
-        said = {"engine": "", "recording": ""}
+        said = {"engine": "", "recording": "", "class_names": "{}"}
         self._lengths: dict[str, int] = {}
         with self._opened() as archive:
             # The array reader trusts its input, so the checksum must be verified before.
@@ -68,6 +69,7 @@ class NpzFile:
                     else:
                         self._lengths[name] = shape[0]
         self.engine, self.recording = said["engine"], said["recording"]
+        self.class_names = class_names_from(said["class_names"], self.path)
 
     def _check(self, name: str, shape: tuple[int, ...], found: np.dtype[Any], dtype: np.dtype[Any] | None, ndim: int) -> None:
         lacking = [field for field in (dtype.names if dtype else None) or () if field not in (found.names or ())]

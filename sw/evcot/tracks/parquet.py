@@ -6,6 +6,9 @@ before, up to and with the record's own. Where so many events have no record tha
 have owners alone. The last row is no record either: its kind is END, and its `owners` are those of the events that are left. So
 all `owners` one after the other are the log's, in the order of the events. Engine and recording are in the metadata.
 
+A log with verdicts begins with them: rows of kind VERDICT, in three more columns `class_id`, `margin` and `windows`, which are
+empty in all other rows. The names of the classes are in the metadata.
+
 Files are written and read a row group at a time. Arrow keeps 15 kB of each group until the file is closed, so a log of more
 groups than a file may have goes on in another one: log.parquet, log.1.parquet and so on, of which only the last has a row END.
 So memory does not depend on a log's length. The metadata of a file after the first say which part it is; no other is replaced.
@@ -26,16 +29,17 @@ from numpy.typing import NDArray
 
 from ..errors import OutputError, TrackLogError
 from ..outputs import note_input, path_written_aside
-from .record import TRACK, Kind, no_verdicts
+from .record import TRACK, VERDICT, ClassNames, Kind, class_names_from, class_names_text, no_verdicts
 
 if TYPE_CHECKING:
     from .spool import LogColumns
 
 __all__ = ["LogFile", "check_parquet", "write_log"]
 
-_END, _NONE = "END", "NONE"
+_END, _NONE, _VERDICT = "END", "NONE", "VERDICT"
 _OWNERS = "owners"
 _COLUMNS = (*(TRACK.names or ()), _OWNERS)
+_OF_VERDICT = tuple(name for name in VERDICT.names or () if name not in (TRACK.names or ()))
 _REPEATED = ["kind", "track_id", "slot", "radius", "other_id", f"{_OWNERS}.list.element"]  # columns of few values
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
@@ -57,11 +61,13 @@ def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None
         OutputError: a file exists, or cannot be written.
     """
     arrow = _arrow(path)
-    schema, about = _schema(arrow), {"engine": log.engine, "recording": log.recording}
-    groups = _groups(log)
+    schema, about = _schema(arrow, classified=len(log.verdicts) > 0), {"engine": log.engine, "recording": log.recording}
+    if log.class_names:
+        about["class_names"] = class_names_text(log.class_names)
+    tables = _tables(arrow, schema, log)
     with ExitStack() as files:  # the first gets its name last
         for number in count():
-            if (first := next(groups, None)) is None:
+            if (first := next(tables, None)) is None:
                 return
             own = _file_of(Path(path), number)
             if number and force and own.exists() and not _is_part(own, number, arrow):
@@ -71,8 +77,8 @@ def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None
             with arrow.parquet.ParquetWriter(
                 aside, of_file, compression="zstd", use_dictionary=_REPEATED, write_page_checksum=True
             ) as writer:
-                for record, ends, begin in chain([first], islice(groups, _FILE_GROUPS - 1)):
-                    writer.write_table(_table(arrow, of_file, log, record, ends, begin))
+                for table in chain([first], islice(tables, _FILE_GROUPS - 1)):
+                    writer.write_table(table)
 
 
 def _is_part(path: Path, number: int, arrow: Any) -> bool:
@@ -112,9 +118,30 @@ def _groups(log: LogColumns) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int
             return
 
 
-def _schema(arrow: Any) -> Any:
+def _tables(arrow: Any, schema: Any, log: LogColumns) -> Iterator[Any]:
+    """Row groups: the verdicts, then records and owners."""
+    for begin in range(0, len(log.verdicts), _RECORDS):
+        yield _verdict_table(arrow, schema, log.verdicts[begin : begin + _RECORDS])
+    for record, ends, begin in _groups(log):
+        yield _table(arrow, schema, log, record, ends, begin)
+
+
+def _verdict_table(arrow: Any, schema: Any, verdicts: NDArray[np.void]) -> Any:
+    count = len(verdicts)
+    columns = {
+        "kind": arrow.array([_VERDICT]).take(arrow.array(np.zeros(count, np.int8))),
+        _OWNERS: arrow.array([[]], schema.field(_OWNERS).type).take(arrow.array(np.zeros(count, np.int8))),
+        **{name: arrow.array(np.ascontiguousarray(verdicts[name])) for name in VERDICT.names or ()},
+    }
+    return arrow.Table.from_arrays(
+        [columns[field.name] if field.name in columns else arrow.nulls(count, field.type) for field in schema], schema=schema
+    )
+
+
+def _schema(arrow: Any, *, classified: bool) -> Any:
     fields = [(name, arrow.string() if name == "kind" else arrow.from_numpy_dtype(TRACK[name])) for name in TRACK.names or ()]
-    return arrow.schema([*fields, (_OWNERS, arrow.large_list(arrow.int16()))])
+    more = [(name, arrow.from_numpy_dtype(VERDICT[name])) for name in _OF_VERDICT if classified]
+    return arrow.schema([*fields, (_OWNERS, arrow.large_list(arrow.int16())), *more])
 
 
 def _table(arrow: Any, schema: Any, log: LogColumns, record: NDArray[np.int64], ends: NDArray[np.int64], begin: int) -> Any:
@@ -134,6 +161,7 @@ def _table(arrow: Any, schema: Any, log: LogColumns, record: NDArray[np.int64], 
     offsets = np.append(0, ends - begin).astype(np.int64)
     owner = np.ascontiguousarray(log.owner[begin : int(ends[-1])], np.int16)
     columns.append(arrow.LargeListArray.from_arrays(arrow.array(offsets), arrow.array(owner)))
+    columns += [arrow.nulls(len(record), field.type) for field in list(schema)[len(columns) :]]
     return arrow.Table.from_arrays(columns, schema=schema)
 
 
@@ -141,7 +169,7 @@ class LogFile:
     """A log that `write_log` wrote, read a row group at a time.
 
     Attributes:
-        path, engine, recording: the file, of several the first; as of `TrackLog`.
+        path, engine, recording, class_names: the file, of several the first; as of `TrackLog`.
 
     Raises:
         TrackLogError: the file is missing, damaged, or not a TrackLog; or pyarrow is not installed.
@@ -157,6 +185,9 @@ class LogFile:
             rule = "must be a log as `evcot track -o LOG.parquet` writes it"
             raise TrackLogError(f"{path}: lacks {', '.join(lacking)}: {rule}")
         self.engine, self.recording = _about(schema)
+        names = (schema.metadata or {}).get(b"class_names", b"{}").decode(errors="replace")
+        self.class_names: ClassNames = class_names_from(names, self.path)
+        self._classified = set(_OF_VERDICT) <= set(schema.names)
 
     def blocks(self, *, owners: bool = True) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
         """The log in runs: (m,) records of dtype `TRACK` and (n,) owners; those of a record's event are in its run or before.
@@ -200,8 +231,22 @@ class LogFile:
 
     @property
     def verdicts(self) -> NDArray[np.void]:
-        """None: Parquet does not keep them."""
-        return no_verdicts()
+        """See `TrackLog`; errors as of `blocks`."""
+        return np.concatenate([no_verdicts(), *(self._verdict_runs() if self._classified else ())])
+
+    def _verdict_runs(self) -> Iterator[NDArray[np.void]]:
+        for number in count():
+            path = _file_of(self.path, number)
+            with self._opened(path) as file:
+                for group in range(file.num_row_groups):
+                    with self._in_one_line(path):
+                        table = file.read_row_group(group, columns=["kind", *(VERDICT.names or ())])
+                    if not table.num_rows or table.column("kind")[0].as_py() != _VERDICT:
+                        return
+                    verdicts = np.empty(table.num_rows, VERDICT)
+                    for name in VERDICT.names or ():
+                        verdicts[name] = _values(path, table.column(name), name, VERDICT[name])
+                    yield verdicts
 
     def count_owners(self) -> int:
         """Number of owners, one for each event; errors as of `blocks`."""
@@ -234,9 +279,9 @@ class LogFile:
         return np.asarray(_values(path, flat, _OWNERS, np.dtype(np.int16)), np.int16)
 
     def _kinds(self, path: Path, column: Any, first: int) -> NDArray[np.int64]:
-        """Kinds by number, -1 for NONE and -2, only at the end, for END."""
-        codes = {kind.name: int(kind) for kind in Kind} | {_NONE: -1, _END: -2}
-        rule = f"must be one of {', '.join(kind.name for kind in Kind)}, {_NONE}, and of the last row {_END}"
+        """Kinds by number, -1 for NONE, -3 for VERDICT and -2, only at the end, for END."""
+        codes = {kind.name: int(kind) for kind in Kind} | {_NONE: -1, _END: -2, _VERDICT: -3}
+        rule = f"must be one of {', '.join(kind.name for kind in Kind)}, {_NONE}, {_VERDICT}, and of the last row {_END}"
         encoded = column.combine_chunks().dictionary_encode()
         for name in encoded.dictionary.to_pylist():
             if name not in codes or encoded.null_count:
@@ -245,7 +290,7 @@ class LogFile:
         by_code = np.array([codes[name] for name in encoded.dictionary.to_pylist()], np.int64)
         kinds = by_code[encoded.indices.to_numpy(zero_copy_only=False)] if len(by_code) else np.empty(0, np.int64)
         if (kinds[:-1] == -2).any():
-            raise TrackLogError(f"{path}: row {first + int(np.argmin(kinds))}: kind = {_END!r}: {rule}")
+            raise TrackLogError(f"{path}: row {first + int(np.argmax(kinds == -2))}: kind = {_END!r}: {rule}")
         return kinds
 
     @contextmanager

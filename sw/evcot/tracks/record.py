@@ -3,14 +3,34 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from enum import IntEnum
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import TrackLogError
+from ..errors import ConfigError, TrackLogError
 
-__all__ = ["BEGIN_US", "DROPPED", "TRACK", "VERDICT", "Kind", "check_records", "classes_at", "last_until", "no_verdicts"]
+__all__ = [
+    "BEGIN_US",
+    "DROPPED",
+    "NO_CLASS",
+    "TRACK",
+    "VERDICT",
+    "ClassNames",
+    "Kind",
+    "check_class_name",
+    "check_records",
+    "class_label",
+    "class_names_from",
+    "class_names_text",
+    "classes_at",
+    "labels_at",
+    "last_until",
+    "no_verdicts",
+]
 
 
 DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
@@ -63,6 +83,48 @@ VERDICT = np.dtype(
 summed over the `windows` of the vote; the event that completed the last window, and its time."""
 
 
+ClassNames = Mapping[int, str]
+"""The name of each class by its number; a class without a name is shown by its number."""
+
+NO_CLASS = "?"  # label of a track that is of none of the classes
+_NAME_MAX = 64  # characters
+
+
+def check_class_name(name: object) -> str:
+    """The name of a class, if it can be shown in one line.
+
+    Raises:
+        ConfigError: no text, an empty or a long one, or one with control characters.
+    """
+    if not (isinstance(name, str) and 1 <= len(name) <= _NAME_MAX and name.isprintable() and name.strip() == name):
+        rule = f"must be 1 to {_NAME_MAX} printable characters, without spaces around them"
+        raise ConfigError(f"name of a class = {repr(name)[: _NAME_MAX + 2]}: {rule}")
+    return name
+
+
+def class_label(class_id: int, names: ClassNames) -> str:
+    """How a class is shown: by its name, else by its number; -1 as `NO_CLASS`."""
+    return NO_CLASS if class_id < 0 else names.get(class_id, str(class_id))
+
+
+def class_names_text(names: ClassNames) -> str:
+    """Names as JSON, as logs keep them."""
+    return json.dumps({str(number): name for number, name in sorted(names.items())})
+
+
+def class_names_from(text: str, path: Path) -> dict[int, str]:
+    """The names in what `class_names_text` has made.
+
+    Raises:
+        TrackLogError: it has not made this; names the file.
+    """
+    try:
+        return {int(number): check_class_name(name) for number, name in json.loads(text).items()}
+    except (ValueError, AttributeError) as error:
+        rule = "must be JSON, an object of class numbers and names"
+        raise TrackLogError(f"{path}: class_names = {text[:60]!r}: {rule}") from error
+
+
 def no_verdicts() -> NDArray[np.void]:
     """None, (0,) of dtype `VERDICT`."""
     return np.empty(0, VERDICT)
@@ -76,6 +138,13 @@ def classes_at(verdicts: NDArray[np.void], track_id: NDArray[np.int64], t_us: ND
     """
     last = last_until(verdicts["track_id"], verdicts["t_us"], track_id, t_us)
     return np.append(verdicts["class_id"], -1)[last]
+
+
+def labels_at(verdicts: NDArray[np.void], names: ClassNames, track_id: NDArray[np.int64], t_us: NDArray[np.int64]) -> list[str]:
+    """How the classes of (n,) tracks at a time are shown, as `classes_at`; empty text before a track's first verdict."""
+    last = last_until(verdicts["track_id"], verdicts["t_us"], track_id, t_us)
+    class_ids = verdicts["class_id"].tolist()
+    return ["" if row < 0 else class_label(class_ids[row], names) for row in last.tolist()]
 
 
 def last_until(

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .column import Column, PackedColumn
-from .record import TRACK, no_verdicts
+from .record import TRACK, ClassNames, no_verdicts
 
 __all__ = ["LogColumns", "LogSpool"]
 
@@ -40,6 +40,9 @@ class LogColumns(Protocol):
     @property
     def verdicts(self) -> NDArray[np.void]: ...
 
+    @property
+    def class_names(self) -> ClassNames: ...
+
 
 class LogSpool:
     """A log that grows in a folder.
@@ -50,7 +53,7 @@ class LogSpool:
         lengths: records and owners to which files that are there are cut back.
 
     Attributes:
-        engine, recording, verdicts: as of `TrackLog`; to be set before the log is written.
+        engine, recording, verdicts, class_names: as of `TrackLog`; to be set before the log is written.
         records, owner: what there is so far.
     """
 
@@ -58,6 +61,7 @@ class LogSpool:
         self.engine = ""
         self.recording = ""
         self.verdicts = no_verdicts()
+        self.class_names: ClassNames = {}
         self.records = PackedColumn(folder / f"{name}.records", TRACK, lengths[0])
         self.owner = PackedColumn(folder / f"{name}.owner", np.dtype(np.int16), lengths[1])
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..digest import EventsDigest
 from ..errors import RecordingError
@@ -14,18 +15,19 @@ from ..events import Events
 from ..unfinished import CHECKPOINT_EVENTS, Unfinished
 from .spool import LogSpool
 from .tally import Tally
-from .tracking import Tracker, verdicts_of
+from .tracking import Tracker, class_names_of, take_verdicts
 
 __all__ = ["Tracked", "rest_of", "track_into"]
 
 
 @dataclass(frozen=True)
 class Tracked:
-    """A finished tracker, its log, and what was counted in it."""
+    """A finished tracker, its log, what was counted in it, and its verdicts."""
 
     tracker: Tracker
     log: LogSpool | None
     tally: Tally
+    verdicts: NDArray[np.void]
 
 
 def track_into(
@@ -73,10 +75,12 @@ def track_into(
     records = tracker.finish()
     nobody = np.empty(0, np.int16)
     tally.add(records, nobody)
+    verdicts = take_verdicts(tracker)
     if log is not None:
         log.add(records, nobody)
-        log.engine, log.recording, log.verdicts = engine, made_of.hex(), verdicts_of(tracker)
-    return Tracked(tracker, log, tally)
+        log.engine, log.recording = engine, made_of.hex()
+        log.verdicts, log.class_names = verdicts, class_names_of(tracker)
+    return Tracked(tracker, log, tally, verdicts)
 
 
 def rest_of(blocks: Iterator[Events], made_of: EventsDigest, count: int, digest: str) -> Iterator[Events]:

@@ -15,7 +15,7 @@ from ..digest import EventsDigest
 from ..errors import RecordingError
 from ..events import Events, Recording
 from .log import DROPPED, TRACK, TrackLog
-from .record import no_verdicts
+from .record import ClassNames, no_verdicts
 
 __all__ = [
     "FilteredTracker",
@@ -23,10 +23,11 @@ __all__ = [
     "Tracker",
     "TrackerOutput",
     "check_order",
+    "class_names_of",
     "log_of",
     "signed_log_of",
+    "take_verdicts",
     "track_recording",
-    "verdicts_of",
 ]
 
 _RUN_EVENTS = 1 << 18
@@ -145,13 +146,21 @@ def log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> TrackLog:
     outputs = [tracker.feed(block) for block in blocks]
     records = [np.empty(0, TRACK), *(records for records, _ in outputs), tracker.finish()]
     owner = np.concatenate([np.empty(0, np.int16), *(owner for _, owner in outputs)])
-    return TrackLog(engine, np.concatenate(records), owner, verdicts=verdicts_of(tracker))
+    return TrackLog(
+        engine, np.concatenate(records), owner, verdicts=take_verdicts(tracker), class_names=class_names_of(tracker)
+    )
 
 
-def verdicts_of(tracker: Tracker) -> NDArray[np.void]:
-    """The verdicts of a tracker with a classifier, (k,) of dtype `record.VERDICT`; none of another tracker."""
-    verdicts: NDArray[np.void] = getattr(tracker, "verdicts", no_verdicts())
-    return verdicts
+def take_verdicts(tracker: Tracker) -> NDArray[np.void]:
+    """The verdicts since the last call of a tracker with a classifier, (k,) of dtype `record.VERDICT`; none of another one."""
+    take: Callable[[], NDArray[np.void]] = getattr(tracker, "take_verdicts", no_verdicts)
+    return take()
+
+
+def class_names_of(tracker: Tracker) -> ClassNames:
+    """The names of the classes of a tracker with a classifier; none of another one."""
+    names: ClassNames = getattr(tracker, "class_names", {})
+    return names
 
 
 def signed_log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> TrackLog:

@@ -13,6 +13,7 @@ import evcot
 from evcot_cosim.cli import main
 
 SENSOR = 200, 100
+CATEGORIES = [{"id": 0, "name": "square"}, {"id": 1, "name": "cross"}]
 
 
 def recorded(folder: Path, name: str, shape: int, seed: int) -> None:
@@ -32,7 +33,7 @@ def recorded(folder: Path, name: str, shape: int, seed: int) -> None:
         {"id": k + 1, "image_id": k + 1, "category_id": shape, "bbox": [20 + 1.4 * k, 40, 20, 20], "track_id": 1}
         for k in range(100)
     ]
-    (folder / f"{name}.json").write_text(json.dumps({"images": images, "annotations": boxes, "categories": []}))
+    (folder / f"{name}.json").write_text(json.dumps({"images": images, "annotations": boxes, "categories": CATEGORIES}))
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +47,9 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(("name", "class_id"), [("e", 0), ("f", 1)])
+@pytest.mark.parametrize(("name", "class_id", "called"), [("e", 0, "square"), ("f", 1, "cross")])
 def test_tracks_get_the_class_of_their_object(
-    trained: Path, tmp_path: Path, name: str, class_id: int, capsys: pytest.CaptureFixture[str]
+    trained: Path, tmp_path: Path, name: str, class_id: int, called: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log, boxes, table = tmp_path / "log.npz", tmp_path / "boxes.json", tmp_path / "log.csv"
     outputs = ["-o", str(log), "--csv", str(table), "--boxes", str(boxes), "--frame-us", "10000"]
@@ -62,9 +63,15 @@ def test_tracks_get_the_class_of_their_object(
         "-1",
         str(class_id),
     ]
-    assert {row["category_id"] for row in json.loads(boxes.read_text())["annotations"]} == {-1, class_id}
+    written = json.loads(boxes.read_text())
+    assert {row["category_id"] for row in written["annotations"]} == {-1, class_id}
+    assert {"id": class_id, "name": called} in written["categories"]
+    assert found.class_names == {0: "square", 1: "cross"}
     same = evcot.track(recording, classify=trained / "w.npz")
     assert np.array_equal(same.verdicts, found.verdicts)
+    columns = tmp_path / "log.parquet"
+    assert main(["track", recording, "--classify", str(trained / "w.npz"), "-o", str(columns), "--quiet"]) == 0
+    assert np.array_equal(evcot.TrackLog.load(columns).verdicts, found.verdicts)
     assert main(["evaluate", str(log), "--truth", str(trained / f"{name}.json"), "--json"]) == 0
     classes = json.loads(capsys.readouterr().out)["classes"]
     assert (classes["class_ids"], classes["accuracy"]) == ([class_id], 1.0)
@@ -96,13 +103,17 @@ def test_a_margin_that_nothing_reaches_gives_none_of_the_classes(trained: Path, 
         (["train", "a.aedat4", "--labels", "a.json", "--seed", "-1"], "seed = -1: must be an integer"),
         (["track", "a.aedat4", "--engine", "rct", "--classify", "w.npz"], "engine rct: must be cot_motion, the tracker of"),
         (["track", "a.aedat4", "--classify", "a.json"], "a.json: is damaged, or no npz file: must be weights"),
-        (["track", "a.aedat4", "--classify", "w.npz"], None),
+        (
+            ["train", "a.aedat4", "b.aedat4", "--labels", "a.json", "other.json"],
+            "other.json: class 0 = 'disc': must be 'square', as in the files before",
+        ),
+        (["train", "a.aedat4", "--labels", "twice.json"], "--labels: classes 0, 1 = 'square': must have different names"),
     ],
 )
 def test_a_mistake_is_one_line_and_writes_nothing(
     trained: Path,
     arguments: list[str],
-    message: str | None,
+    message: str,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -111,11 +122,13 @@ def test_a_mistake_is_one_line_and_writes_nothing(
     for box in far["annotations"]:
         box["bbox"] = [0, 0, 5, 5]
     Path("far.json").write_text(json.dumps(far))
+    for name, categories in (("other", [(0, "disc")]), ("twice", [(0, "square"), (1, "square")])):
+        named = far | {"categories": [{"id": number, "name": category} for number, category in categories]}
+        Path(f"{name}.json").write_text(json.dumps(named))
     Path("none.txt").touch()
-    output = "out.parquet" if message is None else "out.npz"
-    assert main([*arguments, "-o", output]) == 2
+    assert main([*arguments, "-o", "out.npz"]) == 2
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1
-    assert (message or "Parquet does not keep verdicts: must be .npz or .csv with --classify") in said[0]
-    assert not Path(output).exists()
+    assert message in said[0]
+    assert not Path("out.npz").exists()
     assert not list(Path().glob(".*"))

@@ -38,6 +38,30 @@ def test_what_was_written_is_read(tmp_path: Path) -> None:
     assert np.array_equal(read.network.w1, weights().network.w1)
     assert np.array_equal(read.network.w2, weights().network.w2)
     assert read.checksum == weights().checksum
+    assert read.names == {4: "4", 7: "7", 9: "9"}
+
+
+def test_names_are_kept_and_belong_to_the_checksum(tmp_path: Path) -> None:
+    named = weights().named({4: "car", 9: "lorry", 11: "bus"})
+    named.save(tmp_path / "w.npz")
+    read = Weights.load(tmp_path / "w.npz")
+    assert read.names == {4: "car", 7: "7", 9: "lorry"}
+    assert read.checksum == named.checksum != weights().checksum
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (("car", "lorry"), "class_names = car, lorry: must be 3 different names, one for each of class_ids"),
+        (("car", "car", "lorry"), "class_names = car, car, lorry: must be 3 different names"),
+        (("car", "", "lorry"), "name of a class = '': must be 1 to 64 printable characters"),
+        (("car", "a\x1b[2J", "lorry"), "must be 1 to 64 printable characters"),
+        (("car", "a" * 65, "lorry"), "must be 1 to 64 printable characters"),
+    ],
+)
+def test_names_that_are_not_one_for_each_class_are_refused(names: tuple[str, ...], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        Weights(weights().network, weights().registers, (4, 7, 9), class_names=names)
 
 
 def test_equal_weights_give_equal_files(tmp_path: Path) -> None:
@@ -57,6 +81,8 @@ def test_a_file_of_the_users_is_kept(tmp_path: Path) -> None:
     ("arrays", "message"),
     [
         ({"w2": None}, "has no array w2"),
+        ({"class_names": None}, "has no array class_names: must be weights that evcot train wrote: train again"),
+        ({"class_names": np.array(["a", "b", "c"])}, "checksum"),
         ({"version": np.array(2)}, "version = 2: must be 1: train again"),
         (
             {"w1": np.zeros((CELLS**2, HIDDEN), np.int8)},

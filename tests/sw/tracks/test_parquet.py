@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 import evcot
 from evcot.errors import TrackLogError
-from evcot.tracks.log import TRACK, TrackLog
+from evcot.tracks.log import TRACK, VERDICT, TrackLog
 from evcot_cosim.cli import main
 from support.sweeping import recorded
 
@@ -87,6 +88,24 @@ def in_files(log: TrackLog, monkeypatch: pytest.MonkeyPatch) -> int:
     files = -(-(len(log.records) + 1) // 24)
     assert files >= 3
     return files
+
+
+def test_verdicts_come_first_and_others_read_them(log: TrackLog, in_files: int, tmp_path: Path) -> None:
+    verdicts = np.zeros(61, VERDICT)  # eight groups of rows in three files
+    for number, name in enumerate(VERDICT.names or ()):
+        verdicts[name] = np.arange(61) % 17 + number
+    classified = replace(log, verdicts=verdicts, class_names={4: "car"})
+    path = tmp_path / "log.parquet"
+    classified.save(path)
+    found = TrackLog.load(path)
+    assert same(found, log)
+    assert found.class_names == {4: "car"}
+    assert np.array_equal(found.verdicts, verdicts)
+    names = ["log.parquet", *(f"log.{number}.parquet" for number in (1, 2))]
+    table = arrow.concat_tables([parquet.read_table(tmp_path / name) for name in names]).slice(0, 62).to_pylist()
+    assert [row["kind"] for row in table] == ["VERDICT"] * 61 + ["BORN"]
+    assert [row["class_id"] for row in table] == [*verdicts["class_id"].tolist(), None]
+    assert [row["x"] for row in table[:61]] == [None] * 61
 
 
 def test_a_long_log_goes_on_in_other_files(log: TrackLog, in_files: int, tmp_path: Path) -> None:

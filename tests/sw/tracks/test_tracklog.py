@@ -75,10 +75,26 @@ def test_verdicts_come_back_and_are_in_the_csv(log: TrackLog, verdicts: np.ndarr
     assert [int(row["class_id"]) for row in rows] == np.where((t_us >= 0) & (t_us < 10**14), 7, -1).tolist()
 
 
-def test_verdicts_are_not_lost_in_parquet(log: TrackLog, verdicts: np.ndarray, tmp_path: Path) -> None:
-    with pytest.raises(TrackLogError, match=r"log.parquet: the log has verdicts, which Parquet does not keep: must be"):
-        replace(log, verdicts=verdicts).save(tmp_path / "log.parquet")
-    assert not list(tmp_path.iterdir())
+@pytest.mark.parametrize("suffix", ["npz", "parquet"])
+def test_verdicts_come_back_with_the_names_of_their_classes(
+    log: TrackLog, verdicts: np.ndarray, tmp_path: Path, suffix: str
+) -> None:
+    path = tmp_path / f"log.{suffix}"
+    replace(log, verdicts=verdicts, class_names={7: "car", 10: "größer"}).save(path)
+    found = TrackLog.load(path)
+    np.testing.assert_array_equal(found.verdicts, verdicts)
+    assert found.class_names == {7: "car", 10: "größer"}
+    np.testing.assert_array_equal(found.records, log.records)
+    np.testing.assert_array_equal(found.owner, log.owner)
+
+
+@pytest.mark.parametrize("names", ["[1]", "{", '{"a": "car"}', '{"1": ""}', '{"1": "two\\nlines"}', '{"1": 1}'])
+def test_names_that_no_log_has_are_refused(log: TrackLog, tmp_path: Path, names: str) -> None:
+    log.save_npz(tmp_path / "log.npz")
+    with np.load(tmp_path / "log.npz") as archive:
+        np.savez(tmp_path / "other.npz", **archive, class_names=np.array(names))
+    with pytest.raises(TrackLogError, match=r"other.npz: class_names = .*: must be JSON, an object of class numbers and names"):
+        TrackLog.load_npz(tmp_path / "other.npz")
 
 
 def test_verdicts_of_another_type_are_refused(log: TrackLog, tmp_path: Path) -> None:

@@ -23,9 +23,8 @@ from evcot.tracks.log import Kind
 from evcot.tracks.log_files import check_log_path, save_log, write_csv
 from evcot.tracks.spool import LogSpool
 from evcot.tracks.spooling import track_into
-from evcot.tracks.suffixes import PARQUET
 from evcot.tracks.tally import Tally
-from evcot.tracks.tracking import Tracker, verdicts_of
+from evcot.tracks.tracking import Tracker
 from evcot.unfinished import unfinished
 
 from ...standard_streams import as_file
@@ -96,7 +95,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             )  # fmt: skip
         found = _found(done.tally)
         if weights is not None:
-            found["classified"] = len(np.unique(verdicts_of(done.tracker)["track_id"]))
+            found["classified"] = len(np.unique(done.verdicts["track_id"]))
         if done.log is not None:
             _write(options, done.log)
         save_learned(options)
@@ -127,8 +126,6 @@ def _say(options: argparse.Namespace, file: RecordingFile) -> Callable[[int], No
 
 
 def _weights(options: argparse.Namespace) -> Weights:
-    if options.output is not None and options.output.suffix.lower() == PARQUET:
-        raise ConfigError(f"-o {options.output}: Parquet does not keep verdicts: must be .npz or .csv with --classify")
     from evcot.recognition.weights import Weights  # with Numba
 
     return Weights.load(as_file(options.classify))

@@ -7,6 +7,7 @@ import argparse
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from evcot.hardware.modules import DEFAULT_MODULE
 from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, registers_for, train, windows_of
 from evcot.trackers.presets import fit
 from evcot.trackers.settings import engine_settings
+from evcot.tracks.formats.base import Boxes
 from evcot.tracks.formats.registry import read_boxes
 
 from ...standard_streams import as_file
@@ -34,6 +36,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         raise ConfigError(f"--labels: {given}: must be one for each recording, in the same order")
     clock = clock_from(options)
     labels = [read_boxes(as_file(path), clock, options.labels_format) for path in options.labels]
+    names = _names(options.labels, labels)
     registers = registers_for(labels, options.window_log2, options.margin_min)
     parts = []
     for path, label_path, boxes in zip(options.recordings, options.labels, labels, strict=True):
@@ -47,13 +50,27 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             raise TrackLogError(f"{label_path}: no track of {path} is in a box: must be the labels of this recording")
         parts.append(found)
     with Counting("training", enabled=not options.json):
-        weights = train(LabelledWindows.of(parts), registers, config.module, options.seed)
+        weights = train(LabelledWindows.of(parts), registers, config.module, options.seed).named(names)
     weights.save(options.output, force=options.force)
     class_id = np.concatenate([part.class_id for part in parts])
-    counts = {number: int((class_id == number).sum()) for number in weights.class_ids}
+    counts = {name: int((class_id == number).sum()) for number, name in weights.names.items()}
     if options.json:
-        said = {"weights": str(options.output), "windows": {str(number): count for number, count in counts.items()}}
+        said = {"weights": str(options.output), "windows": counts}
         print(json.dumps(said | {"unlabelled": int((class_id == UNLABELLED).sum())}, indent=2))
     else:
-        print_table([("class", "windows"), *((str(number), f"{count:,}") for number, count in counts.items())])
+        print_table([("class", "windows"), *((name, f"{count:,}") for name, count in counts.items())])
     return 0
+
+
+def _names(paths: Sequence[Path], labels: Sequence[Boxes]) -> dict[int, str]:
+    """The names of the classes in all files; ConfigError for a class that two files name differently, or one name twice."""
+    names: dict[int, str] = {}
+    for path, boxes in zip(paths, labels, strict=True):
+        for number, name in boxes.class_names.items():
+            if names.setdefault(number, name) != name:
+                raise ConfigError(f"{path}: class {number} = {name!r}: must be {names[number]!r}, as in the files before")
+    if len(set(names.values())) < len(names):
+        twice = next(name for name in names.values() if list(names.values()).count(name) > 1)
+        numbers = ", ".join(str(number) for number, name in names.items() if name == twice)
+        raise ConfigError(f"--labels: classes {numbers} = {twice!r}: must have different names")
+    return names

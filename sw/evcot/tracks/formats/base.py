@@ -7,7 +7,7 @@ are moved when they are read and written. Text is written to a millionth of a pi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...errors import ConfigError, TrackLogError
 from ...ranges import check_range
+from ..record import ClassNames
 
 __all__ = ["BOX", "FRAME_MAX", "NOBODY", "BoxFormat", "Boxes", "FrameClock", "check_boxes", "decimal"]
 
@@ -102,6 +103,7 @@ class Boxes:
         rows: (n,) of dtype `BOX`, by instant.
         sensor: (width, height) in pixels, if the file has it.
         unit, places: what a row is called in messages, as "line", and its number.
+        class_names: those that the file has.
     """
 
     instants_us: NDArray[np.int64]
@@ -109,6 +111,7 @@ class Boxes:
     sensor: tuple[int, int] | None = None
     unit: str = "box"
     places: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    class_names: ClassNames = field(default_factory=dict)
 
     def place(self, row: int) -> str:
         """A row in a message."""
@@ -161,7 +164,7 @@ def check_boxes(path: Path, boxes: Boxes) -> Boxes:
         raise TrackLogError(f"{path}: {boxes.place(row)}: id = {rows['id'][row]}: must not occur twice at one time")
     order = np.argsort(rows["instant"], kind="stable")
     places = boxes.places[order] if len(boxes.places) else order
-    return Boxes(boxes.instants_us, rows[order], boxes.sensor, boxes.unit, places)
+    return replace(boxes, rows=rows[order], places=places)
 
 
 def decimal(value: float) -> str:

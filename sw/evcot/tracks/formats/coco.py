@@ -3,7 +3,7 @@
 
 Read are data sets (`images` and `annotations`) and lists of results. An image is the frame with the number of its id, counted
 from 1; where every image has `t_us`, which evcot writes, that is its time. A track's id is `track_id` or `instance_id`, its
-confidence `score`. A box of a crowd (`iscrowd`) need not be found.
+confidence `score`. A box of a crowd (`iscrowd`) need not be found. `categories` name the classes.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TrackLogError
+from ...errors import ConfigError, TrackLogError
 from ...outputs import note_input
+from ..record import check_class_name
 from .base import BOX, FRAME_MAX, NOBODY, Boxes, FrameClock, decimal
 
 __all__ = ["CocoBoxes"]
@@ -37,9 +38,10 @@ class CocoBoxes:
         """See `BoxFormat`."""
         data = _load(path)
         if isinstance(data, list):
-            listed, images, name = data, None, "result"
+            listed, images, name, categories = data, None, "result", []
         elif isinstance(data, dict) and isinstance(data.get("annotations"), list) and isinstance(data.get("images"), list):
             listed, images, name = data["annotations"], data["images"], "annotation"
+            categories = data.get("categories", [])
         else:
             raise TrackLogError(f"{path}: must be a list of results, or have the lists images and annotations")
         rows = np.zeros(len(listed), BOX)
@@ -69,7 +71,7 @@ class CocoBoxes:
             raise TrackLogError(f"{path}: {name} {row_at}: image_id = {image_ids[row_at]}: must be the id of an image")
         instants_us, instant = np.unique(times_us, return_inverse=True)
         rows["instant"] = instant[at] if len(rows) else 0
-        return Boxes(instants_us, rows, sensor, name)
+        return Boxes(instants_us, rows, sensor, name, class_names=_class_names(path, categories))
 
     @staticmethod
     def write(file: BinaryIO, path: Path, boxes: Boxes, clock: FrameClock) -> None:
@@ -94,7 +96,10 @@ class CocoBoxes:
                     "score": json.loads(decimal(float(row["confidence"]))),
                 }
             )  # fmt: skip
-        categories = [{"id": number, "name": f"class {number}"} for number in np.unique(boxes.rows["class_id"]).tolist()]
+        categories = [
+            {"id": number, "name": boxes.class_names.get(number, f"class {number}")}
+            for number in np.unique(boxes.rows["class_id"]).tolist()
+        ]
         parts = (("images", images), ("annotations", annotations), ("categories", categories))
         listed = (f'"{name}": [\n' + ",\n".join(json.dumps(entry) for entry in entries) + "\n]" for name, entries in parts)
         file.write(("{\n" + ",\n".join(listed) + "\n}\n").encode())
@@ -144,6 +149,26 @@ def _images(
         _check_frames(path, ids)
         times_us = clock.times_us(ids, path)
     return next(iter(sizes), None), ids[order], times_us[order]
+
+
+def _class_names(path: Path, categories: Any) -> dict[int, str]:
+    """The names of the categories that have one."""
+    if not isinstance(categories, list):
+        raise TrackLogError(f"{path}: categories: must be a list")
+    names: dict[int, str] = {}
+    for i, category in enumerate(categories):
+        where = f"{path}: category {i}"
+        if not isinstance(category, dict):
+            raise TrackLogError(f"{where}: must be an object with an id")
+        number = _integer(where, category, "id")
+        if number in names:
+            raise TrackLogError(f"{where}: id = {number}: must not occur twice")
+        if number >= 0 and "name" in category:
+            try:
+                names[number] = check_class_name(category["name"])
+            except ConfigError as error:
+                raise TrackLogError(f"{where}: {error}") from error
+    return names
 
 
 def _check_frames(path: Path, ids: NDArray[np.int64]) -> None:

@@ -56,7 +56,7 @@ def boxes_of_log(
     rows["confidence"], rows["class_id"], rows["visibility"], rows["counted"] = states["confidence"], 1, 1.0, True
     if len(log.verdicts):
         rows["class_id"] = classes_at(log.verdicts, states["track_id"], times_us[states["sample"]])
-    return Boxes(times_us, rows, sensor)
+    return Boxes(times_us, rows, sensor, class_names=log.class_names)
 
 
 def _last_us(log: RecordRuns, otherwise_us: int) -> int:

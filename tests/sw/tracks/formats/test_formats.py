@@ -73,6 +73,31 @@ def test_what_was_read_is_written_as_it_was(tmp_path: Path) -> None:
     assert [box["bbox"] for box in again["annotations"]] == [box["bbox"] for box in data["annotations"]]
 
 
+def test_names_of_classes_are_read_and_written(tmp_path: Path) -> None:
+    data = {"images": IMAGES, "annotations": [BOX], "categories": [{"id": 2, "name": "car"}, {"id": 5}]}
+    boxes = read_boxes(written(tmp_path, data), CLOCK)
+    assert boxes.class_names == {2: "car"}
+    write_boxes(tmp_path / "a.json", boxes, CLOCK)
+    assert json.loads((tmp_path / "a.json").read_text())["categories"] == [{"id": 2, "name": "car"}]
+
+
+@pytest.mark.parametrize(
+    ("categories", "message"),
+    [
+        ({}, "categories: must be a list"),
+        ([2], "category 0: must be an object with an id"),
+        ([{"name": "car"}], "category 0: id = None: must be an integer"),
+        ([{"id": 2, "name": 2}], "category 0: name of a class = 2: must be 1 to 64 printable characters"),
+        ([{"id": 2}, {"id": 3, "name": "a\nb"}], r"category 1: name of a class = 'a\nb': must be 1 to 64 printable"),
+        ([{"id": 2, "name": "car"}, {"id": 2, "name": "van"}], "category 1: id = 2: must not occur twice"),
+    ],
+)
+def test_categories_that_cannot_be_are_refused(tmp_path: Path, categories: object, message: str) -> None:
+    path = written(tmp_path, {"images": IMAGES, "annotations": [BOX], "categories": categories})
+    with refused(TrackLogError, start=f"{path}: {message}"):
+        read_boxes(path, CLOCK)
+
+
 @pytest.mark.parametrize(
     ("data", "message"),
     [
