@@ -6,8 +6,10 @@ All scores are computed from this data.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +48,18 @@ class Frames:
     def track_lengths(self) -> NDArray[np.int64]:
         """(n_tracks,) number of instants at which each track is present."""
         return _lengths(self.tracks, self.n_tracks)
+
+    def restricted(self, objects: NDArray[np.bool_], outputs: NDArray[np.bool_]) -> Frames:
+        """Some objects and outputs alone, numbered anew.
+
+        Args:
+            objects, outputs: which of all, by frame, within a frame in the order of `truth` and `tracks`.
+        """
+        rows, columns = _parted(objects, self.truth), _parted(outputs, self.tracks)
+        truth, n_truth = _renumbered([ids[kept] for ids, kept in zip(self.truth, rows, strict=True)])
+        tracks, n_tracks = _renumbered([ids[kept] for ids, kept in zip(self.tracks, columns, strict=True)])
+        parts = zip(self.similarity, rows, columns, strict=True)
+        return Frames(truth, tracks, tuple(similarity[row][:, column] for similarity, row, column in parts), n_truth, n_tracks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +141,16 @@ def line_up(outputs: NDArray[np.void], truth: GroundTruth, rule: Rule) -> tuple[
     return frames, objects, outputs
 
 
+def _parted(mask: NDArray[np.bool_], ids: Ids) -> list[NDArray[np.bool_]]:
+    """A mask over all frames, by frame."""
+    return np.split(mask, np.cumsum([len(own) for own in ids])[:-1])
+
+
+def _renumbered(ids: Sequence[NDArray[np.int64]]) -> tuple[Ids, int]:
+    found, number = np.unique(np.concatenate([np.empty(0, np.int64), *ids]), return_inverse=True)
+    return _cut(number, ids), len(found)
+
+
 def _lengths(ids: Ids, n: int) -> NDArray[np.int64]:
     return np.bincount(np.concatenate([np.empty(0, np.int64), *ids]), minlength=n).astype(np.int64)
 
@@ -135,7 +159,7 @@ def _split(rows: NDArray[np.void], name: str, n: int) -> list[NDArray[np.void]]:
     return np.split(rows, np.searchsorted(rows[name], np.arange(1, n)))
 
 
-def _cut(numbers: NDArray[np.int64], parts: list[NDArray[np.void]]) -> Ids:
+def _cut(numbers: NDArray[np.int64], parts: Sequence[NDArray[Any]]) -> Ids:
     return tuple(np.split(numbers.astype(np.int64), np.cumsum([len(part) for part in parts])[:-1]))
 
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ..errors import RecordingWarning, TrackLogError
 from ..tracks.log_files import RecordRuns
 from ..tracks.log_parts import sampled
-from .classes import ClassScores, class_scores
+from ..tracks.record import classes_at
+from .classes import ClassScores, class_hota, class_scores
 from .frames import Frames, Matches, line_up
 from .mot import clear, hota, identity
 from .motion import motion
@@ -93,7 +94,6 @@ def evaluate(log: RecordRuns, truth: GroundTruth, rule: Rule) -> Scores:
     identified = identity(frames, rule.threshold)
     row, column = _rows(frames, followed.matches)
     instants_us = truth.instants_us[followed.matches.frame]
-    verdicts = log.verdicts
     moved = motion(log, rule.max_age_us, objects[row], outputs[column], instants_us)
     return Scores(
         **asdict(hota(frames)),
@@ -103,8 +103,21 @@ def evaluate(log: RecordRuns, truth: GroundTruth, rule: Rule) -> Scores:
         frames=len(truth.instants_us),
         truth_ids=frames.n_truth,
         track_ids=frames.n_tracks,
-        classes=class_scores(verdicts, outputs["track_id"][column], objects["class_id"][row]) if len(verdicts) else None,
+        classes=_classes(log, truth, frames, objects, outputs, (row, column)),
     )
+
+
+def _classes(
+    log: RecordRuns, truth: GroundTruth, frames: Frames, objects: NDArray[np.void], outputs: NDArray[np.void],
+    met: tuple[NDArray[np.int64], NDArray[np.int64]],
+) -> ClassScores | None:  # fmt: skip
+    """Of a log with verdicts; `met`: rows of `objects` and `outputs` that were matched."""
+    verdicts, (row, column) = log.verdicts, met
+    if not len(verdicts):
+        return None
+    now = classes_at(verdicts, outputs["track_id"], truth.instants_us[outputs["sample"]])
+    by_class = class_hota(frames, objects["class_id"], now)
+    return class_scores(verdicts, log.class_names, outputs["track_id"][column], objects["class_id"][row], by_class)
 
 
 def _noting(runs: Iterable[NDArray[np.void]], span_us: list[int]) -> Iterator[NDArray[np.void]]:

@@ -74,9 +74,13 @@ def test_tracks_get_the_class_of_their_object(
     assert np.array_equal(evcot.TrackLog.load(columns).verdicts, found.verdicts)
     assert main(["evaluate", str(log), "--truth", str(trained / f"{name}.json"), "--json"]) == 0
     classes = json.loads(capsys.readouterr().out)["classes"]
-    assert (classes["class_ids"], classes["accuracy"]) == ([class_id], 1.0)
+    assert (classes["class_ids"], classes["labels"], classes["accuracy"]) == ([class_id], [called], 1.0)
+    assert 0 < classes["hota"][0] == classes["hota_mean"]
     assert main(["evaluate", str(log), "--truth", str(trained / f"{name}.json")]) == 0
-    assert f"1 as {class_id}; recall 100 %, precision 100 %" in capsys.readouterr().out
+    assert f"1 as {called}; recall 100 %, precision 100 %; HOTA {classes['hota_mean']:.3f}" in capsys.readouterr().out
+    assert main(["evaluate", str(log), str(columns), "--truth", str(trained / f"{name}.json")]) == 0
+    row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("HOTA, mean of classes "))
+    assert row.split()[-2:] == [f"{classes['hota_mean']:.3f}"] * 2
 
 
 def test_a_margin_that_nothing_reaches_gives_none_of_the_classes(trained: Path, tmp_path: Path) -> None:

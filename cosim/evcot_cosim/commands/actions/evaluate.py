@@ -24,6 +24,8 @@ from .spinner import Counting
 
 __all__ = ["run"]
 
+_HOTA_MEAN = "HOTA, mean of classes"
+
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Score logs, or all of runs; 0, or 2 where one cannot be scored."""
@@ -46,7 +48,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     elif "" in found:
         print_table(_rows(found[""]))
     elif found:
-        columns = [dict(_column(scores)) for scores in found.values()]
+        classified = any(scores.classes for scores in found.values())
+        columns = [dict(_column(scores, classified=classified)) for scores in found.values()]
         print_table([("", *found), *((what, *(column[what] for column in columns)) for what in columns[0])])
     return code
 
@@ -80,8 +83,8 @@ def _logs_of_run(options: argparse.Namespace, folder: Path) -> dict[str, Path]:
     return logs
 
 
-def _column(s: Scores) -> list[tuple[str, str]]:
-    """The column of an engine in the table of a run: (what, value)."""
+def _column(s: Scores, *, classified: bool) -> list[tuple[str, str]]:
+    """The column of an engine in the table of a run: (what, value); `classified`: whether any engine has classes."""
     return [
         *((name, f"{getattr(s, name.lower()):.3f}") for name in ("HOTA", "DetA", "AssA", "LocA", "MOTA", "MOTP", "IDF1")),
         *((what, str(value)) for what, value in (
@@ -95,7 +98,13 @@ def _column(s: Scores) -> list[tuple[str, str]]:
         ("stated direction, over 45 degrees", _percent(s.stated_angle_over_45_deg_fraction)),
         ("stated velocity, relative error", _percent(s.stated_relative_error_median)),
         ("latency", _with(s.latency_ms, "ms")),
+        *(_class_column(s.classes) if classified else ()),
     ]  # fmt: skip
+
+
+def _class_column(classes: ClassScores | None) -> list[tuple[str, str]]:
+    right, mean = (None, None) if classes is None else (classes.accuracy, classes.hota_mean)
+    return [("right class", _percent(right)), (_HOTA_MEAN, _score(mean))]
 
 
 def _rows(s: Scores) -> list[tuple[str, str]]:
@@ -120,15 +129,16 @@ def _rows(s: Scores) -> list[tuple[str, str]]:
 
 
 def _class_rows(classes: ClassScores | None) -> list[tuple[str, str]]:
-    """Share of right classes, and the tracks of each true class by the class found."""
+    """Share of right classes, mean HOTA, and of each true class its HOTA and its tracks by the class found."""
     if classes is None:
         return []
-    names = [*map(str, classes.class_ids), "none"]
-    rows = [("right class", _percent(classes.accuracy))]
-    shares = zip(classes.class_ids, classes.confusion, classes.recall, classes.precision, strict=True)
-    for name, found, recall, precision in shares:
-        shown = ", ".join(f"{count} as {other}" for other, count in zip(names, found, strict=True) if count) or "no track"
-        rows.append((f"class {name}", f"{shown}; recall {_percent(recall)}, precision {_percent(precision)}"))
+    labels = [*classes.labels, "none"]
+    rows = [("right class", _percent(classes.accuracy)), (_HOTA_MEAN, _score(classes.hota_mean))]
+    each = zip(classes.labels, classes.confusion, classes.recall, classes.precision, classes.hota, strict=True)
+    for label, found, recall, precision, hota in each:
+        shown = ", ".join(f"{count} as {other}" for other, count in zip(labels, found, strict=True) if count) or "no track"
+        shares = f"recall {_percent(recall)}, precision {_percent(precision)}"
+        rows.append((f"class {label}", f"{shown}; {shares}; HOTA {_score(hota)}"))
     return rows
 
 
@@ -140,6 +150,10 @@ def _against_displacement(s: Scores) -> str:
         f"more than 45 in {_percent(s.stated_angle_over_45_deg_fraction)}; "
         f"{_percent(s.stated_relative_error_median)} relative error"
     )
+
+
+def _score(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.3f}"
 
 
 def _with(value: float | None, unit: str) -> str:
