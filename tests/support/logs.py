@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 import evcot
 from evcot.events import Events, Recording
-from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.log import TRACK, VERDICT, Kind, TrackLog
 
-__all__ = ["HEIGHT", "RADIUS", "WIDTH", "Row", "Square", "bursts", "centre_errors_px", "log_of"]
+__all__ = ["HEIGHT", "RADIUS", "WIDTH", "Row", "Square", "bursts", "centre_errors_px", "log_of", "verdicts_of"]
 
 
 Row = tuple[int, Kind, int, float, float] | tuple[int, Kind, int, float, float, int]
@@ -29,6 +29,14 @@ def log_of(rows: Sequence[Row], engine: str = "by hand", unit_us: int = 1) -> Tr
         record["other_id"] = row[5] if len(row) > 5 else -1
     records["radius"], records["width"], records["height"], records["confidence"] = RADIUS, WIDTH, HEIGHT, 0.5
     return TrackLog(engine, records, np.empty(0, np.int16))
+
+
+def verdicts_of(*rows: tuple[int, int, int]) -> NDArray[np.void]:
+    """Verdicts from (time, track, class) rows."""
+    made = np.zeros(len(rows), VERDICT)
+    for row, (t_us, track_id, class_id) in enumerate(rows):
+        made["t_us"][row], made["track_id"][row], made["class_id"][row] = t_us, track_id, class_id
+    return made
 
 
 @dataclass(frozen=True)

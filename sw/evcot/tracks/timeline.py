@@ -13,9 +13,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .log import Kind, TrackLog
+from .record import labels_at
 from .tally import IdSet
 
-__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "FoundAgain", "alive", "by_life", "expiring", "lifetimes", "merges", "sample"]
+__all__ = [
+    "LIFE",
+    "MERGE",
+    "OPEN",
+    "SAMPLE",
+    "FoundAgain",
+    "alive",
+    "by_life",
+    "expiring",
+    "lifetimes",
+    "merges",
+    "sample",
+    "track_labels",
+]
 
 _BY_LIFE: WeakKeyDictionary[TrackLog, tuple[NDArray[np.int64], NDArray[np.int64]]] = WeakKeyDictionary()
 OPEN = -1  # `LIFE.ended` of a track that is still alive at the end of the log
@@ -165,6 +179,12 @@ def sample(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.void]:
     for name in (SAMPLE.names or ())[1:]:
         samples[name] = rows[name]
     return samples
+
+
+def track_labels(log: TrackLog, track_id: NDArray[np.int64], t_us: NDArray[np.int64]) -> list[str]:
+    """How (n,) tracks at a time are called in pictures: their id, with their class so far if they have one."""
+    labels = labels_at(log.verdicts, log.class_names, track_id, t_us)
+    return [f"{one} {label}".rstrip() for one, label in zip(track_id.tolist(), labels, strict=True)]
 
 
 def expiring(log: TrackLog, max_age_us: int) -> TrackLog:

@@ -19,7 +19,7 @@ from ...events import Events, check_pixels
 from ...recordings.formats.source import Sensor
 from ...tracks.boxes import box_corners
 from ...tracks.log import TrackLog
-from ...tracks.timeline import sample
+from ...tracks.timeline import sample, track_labels
 from .look import FADE_CONSTANTS
 
 __all__ = [
@@ -147,18 +147,20 @@ class Follower:
         self.side = side
         self._states = sample(side.log, times_us)
         self._begin = np.searchsorted(self._states["sample"], np.arange(len(times_us) + 1))
+        self._labels = track_labels(side.log, self._states["track_id"], times_us[self._states["sample"]])
         self._trails: dict[int, deque[tuple[float, float]]] = {}
 
-    def at(self, picture: int) -> tuple[NDArray[np.void], dict[int, deque[tuple[float, float]]]]:
-        """(states of dtype `timeline.SAMPLE`, track id -> past positions); must be called for the pictures in order."""
-        states = self._states[self._begin[picture] : self._begin[picture + 1]]
+    def at(self, picture: int) -> tuple[NDArray[np.void], list[str], dict[int, deque[tuple[float, float]]]]:
+        """(states of dtype `timeline.SAMPLE`, label of each, track id -> past positions); to be called picture by picture."""
+        here = slice(self._begin[picture], self._begin[picture + 1])
+        states = self._states[here]
         trails = {}
         for track_id, x, y in zip(states["track_id"].tolist(), states["x"].tolist(), states["y"].tolist(), strict=True):
             trail = self._trails.get(track_id)
             trails[track_id] = deque(maxlen=_TRAIL_PICTURES) if trail is None else trail
             trails[track_id].append((x, y))
         self._trails = trails
-        return states, trails
+        return states, self._labels[here], trails
 
 
 _FONT_PX = 13
@@ -194,21 +196,22 @@ def compose(
 
 
 def _draw_side(draw: ImageDraw.ImageDraw, follower: Follower, picture: int, enlarged: int, place: int) -> None:
-    states, trails = follower.at(picture)
+    states, labels, trails = follower.at(picture)
     pen = min(enlarged, 2)
     for trail in trails.values():
         _trail(draw, trail, enlarged, follower.side.colour)
     # A pixel's middle is half a pixel from the edge of the picture.
     boxes = (box_corners(states) + 0.5) * enlarged
-    for track_id, angle, corners in zip(states["track_id"].tolist(), states["angle"].tolist(), boxes, strict=True):
+    for label, angle, corners in zip(labels, states["angle"].tolist(), boxes, strict=True):
         (left, top), (right, bottom) = corners.min(axis=0).tolist(), (corners.max(axis=0) - 1).tolist()
         if angle:
             draw.polygon([tuple(corner) for corner in corners.tolist()], outline=follower.side.colour, width=pen)
         else:
             draw.rectangle((left, top, max(left, right), max(top, bottom)), outline=follower.side.colour, width=pen)
-        # Ids of the second side are drawn below the box, so that they do not cover those of the first.
+        # Labels of the second side are drawn below the box, so that they do not cover those of the first.
         above, below = max(top - 2, _FONT_PX), min(bottom + 2 + _FONT_PX, draw.im.size[1] - 2)
-        _write(draw, (max(left, 2), below if place % 2 else above), str(track_id), follower.side.colour, "ls")
+        inside = min(left, draw.im.size[0] - 2 - draw.textlength(label, _font()))
+        _write(draw, (max(inside, 2), below if place % 2 else above), label, follower.side.colour, "ls")
 
 
 def _trail(draw: ImageDraw.ImageDraw, trail: deque[tuple[float, float]], enlarged: int, colour: RGB) -> None:

@@ -137,11 +137,10 @@ def write_rerun(
 
 
 def _log_side(rerun: Any, stream: Any, follower: Follower, picture: int) -> None:
-    states, trails = follower.at(picture)
+    states, labels, trails = follower.at(picture)
     name, colour = follower.side.name, follower.side.colour
     centres = np.column_stack([states["x"], states["y"]])
     half = np.column_stack(upright_sides(states)) / 2  # Boxes2D has no angle
-    labels = [str(track_id) for track_id in states["track_id"].tolist()]
     stream.log(f"{name}/boxes", rerun.Boxes2D(centers=centres, half_sizes=half, labels=labels, colors=[colour] * len(states)))
     lines = [list(trail) for trail in trails.values() if len(trail) > 1]
     stream.log(f"{name}/trails", rerun.LineStrips2D(lines, colors=[colour] * len(lines)))

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ...errors import ConfigError
 from ...tracks.log import Kind
+from ...tracks.timeline import track_labels
 from ..panels import END_MARKERS, draw_alive, draw_merges
 from ..style import COLUMN_MM, DASHES, KINDS, PALETTE, RULES, save
 from .material import Log, Material
@@ -63,8 +64,9 @@ def _lines(ax: Axes, material: Material, curve: tuple[str, str], name_at_end: bo
         ax.plot(across, up, color="white", linewidth=look["linewidth"] + 1, alpha=0.7, zorder=1.5)
         ax.plot(across, up, **look)
         if few and name_at_end:
+            label = track_labels(log.log, states["track_id"][-1:], material.times_us[states["sample"][-1:]])[0]
             ax.annotate(
-                str(life["track_id"]), (across[-1], up[-1]), (2, 2), textcoords="offset points", color=look["color"],
+                label, (across[-1], up[-1]), (2, 2), textcoords="offset points", color=look["color"],
                 fontsize=6, weight="bold", annotation_clip=True, path_effects=[withStroke(linewidth=1.5, foreground="white")],
             )  # fmt: skip
 

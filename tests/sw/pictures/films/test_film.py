@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from evcot.pictures.films.draw import EVENTS, GROUND, SIDES, Surface, compose, p
 from evcot.pictures.films.encode import GIF_PIXELS_MAX, GifEncoder
 from evcot.pictures.films.film import Follower, picture_times
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from support.logs import verdicts_of
 
 SENSOR = (32, 20)
 WINDOW = (1_000_000, 1_900_000)
@@ -184,3 +186,20 @@ def test_a_box_is_drawn_by_its_own_sides_and_turned_by_its_angle() -> None:
     assert bounds[np.pi / 2] == pytest.approx((73, 88, 84), abs=1)
     reach = (24 + 8) / 2**0.5
     assert bounds[np.pi / 4] == pytest.approx((81 - reach, 81 + reach, 61 + reach), abs=2)
+
+
+def test_a_track_is_called_by_its_class_from_its_first_verdict_on() -> None:
+    """No verdict at 1.25 s, a cup at 1.3 s, none of the classes at 1.5 s."""
+    classified = replace(log(), verdicts=verdicts_of((1_300_000, 4, 2), (1_450_000, 4, -1)), class_names={2: "cup"})
+    follower = Follower(side_of(0, "a", classified), np.array([1_250_000, 1_300_000, 1_500_000, 1_850_000]))
+    assert [follower.at(picture)[1] for picture in range(4)] == [["4"], ["4 cup"], ["4 ?"], []]
+
+
+def test_a_long_name_stays_in_the_picture() -> None:
+    """The track stands 8 px from the right edge of 32 px, enlarged tenfold; its name is wider than these 80 px."""
+    classified = replace(log(), verdicts=verdicts_of((1_300_000, 4, 2)), class_names={2: "W" * 12})
+    follower = Follower(side_of(0, "a", classified), np.array([1_600_000]))
+    image = np.asarray(compose(np.zeros((20, 32, 3), np.uint8), 10, (320, 200), [follower], 0, ""))
+    columns = np.flatnonzero((image[:62] == BOX).all(axis=2).any(axis=0))  # above the box
+    assert columns.max() < 318
+    assert np.ptp(columns) > 120

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,9 @@ from PIL import Image
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.plots import KINDS, Log, Material, density, plot
+from evcot.pictures.plots.figure import figure_of
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from support.logs import verdicts_of
 
 SENSOR = (64, 40)
 
@@ -118,6 +121,13 @@ def test_a_track_is_drawn_where_it_was(tmp_path: Path) -> None:
     height, width = np.ptp(frame_rows), np.ptp(frame_columns)
     assert np.ptp(columns) / width == pytest.approx(45 / 64, abs=0.12)
     assert np.ptp(rows) / height < 0.3
+
+
+def test_a_track_is_labelled_by_its_class_at_the_end_of_the_window() -> None:
+    classified = replace(log(), verdicts=verdicts_of((1_500_000, 3, 2), (3_500_000, 3, -1)), class_names={2: "cup"})
+    for to_us, label in ((4_000_000, "3 ?"), (3_000_000, "3 cup"), (1_400_000, "3")):
+        texts = figure_of(material(classified, to_us=to_us)).axes[0].texts
+        assert [text.get_text() for text in texts] == [label, "5"]
 
 
 def test_logs_of_nothing_make_figures_too(tmp_path: Path) -> None:
