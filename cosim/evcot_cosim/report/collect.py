@@ -64,6 +64,7 @@ def collect(material: Material, events_max: int) -> Collected:
                 "label": label,
                 "short": short,
                 "ids": own.names,
+                "labels": own.classes.labels,
                 "look": looks.get(name, TRUTH),
                 "moving": own.moving,
                 "waves": side.run if side else None,

@@ -88,6 +88,7 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         "headline": material.comparison.headline if material.comparison else headline(verdict, material.summary, tracked),
         "judged": judged,
         "tracked": tracked,
+        "classified": any(side["labels"] for side in engines),
         "notes": _notes(material, collected),
         "shown": collected.shown,
         "absorbed": {name: paths.absorbed for name, paths in collected.paths.items() if paths.absorbed},

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from evcot.metrics import GroundTruth
 from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.record import class_label
 from evcot.tracks.timeline import LIFE, OPEN, by_life, lifetimes
 
 from .pack import LIVES_MAX, RECORDS_MAX, Column, longest_lives, thinned_events, thinned_records
 
-__all__ = ["Paths", "lasting", "log_paths", "truth_paths"]
+__all__ = ["NO_CLASSES", "Classes", "Paths", "lasting", "log_classes", "log_paths", "truth_paths"]
 
 SUBPIXELS = 16  # places and sizes are kept to a sixteenth of a pixel
 _ANGLE_STEPS = 1_000  # to a rad
@@ -33,6 +34,26 @@ POINT = np.dtype(
 
 
 @dataclass(frozen=True)
+class Classes:
+    """When each life got another class.
+
+    Attributes:
+        labels: how the classes are shown.
+        counts: (k,) number of changes of each life.
+        t_us, label: (n,) by life, then by time: the time of a change, and the place of its label in `labels`.
+    """
+
+    labels: tuple[str, ...]
+    counts: NDArray[np.int64]
+    t_us: NDArray[np.int64]
+    label: NDArray[np.int64]
+
+
+_NOTHING = np.empty(0, np.int64)
+NO_CLASSES = Classes((), _NOTHING, _NOTHING, _NOTHING)
+
+
+@dataclass(frozen=True)
 class Paths:
     """Lives of tracks or objects, and their points.
 
@@ -44,6 +65,7 @@ class Paths:
         moving: whether a position between two points is between their places; else a place holds until the next point.
         absorbed: number of tracks left out because they merged in the moment of their birth.
         all_lives, all_points: numbers before short lives and some moves were left out.
+        classes: of a log with verdicts.
     """
 
     lives: NDArray[np.void]
@@ -54,6 +76,7 @@ class Paths:
     absorbed: int
     all_lives: int
     all_points: int
+    classes: Classes = NO_CLASSES
 
     def columns(self, name: str, origin_us: int) -> dict[str, Column]:
         """Columns to pack, with names prefixed by `name`; times relative to `origin_us`."""
@@ -69,6 +92,10 @@ class Paths:
         }
         for field in ("x", "y", "half_width", "half_height"):
             columns[field] = Column(np.rint(points[field] * SUBPIXELS).astype(np.int64), delta=True, scale=1 / SUBPIXELS)
+        if self.classes.labels:
+            columns["class_count"] = Column(self.classes.counts)
+            columns["class_t"] = Column(self.classes.t_us - origin_us, delta=True)
+            columns["class_label"] = Column(self.classes.label)
         angle = np.rint(points["angle"] * _ANGLE_STEPS).astype(np.int64)
         columns["angle"] = Column(angle, delta=True, scale=1 / _ANGLE_STEPS)
         return {f"{name}.{field}": column for field, column in columns.items()}
@@ -96,7 +123,30 @@ def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_ma
     counts = np.bincount(life[drawn], minlength=len(lives))
     absorbed = int(np.count_nonzero(~shown))
     all_points = int(np.diff(first, append=len(order))[shown].sum())
-    return Paths(lives, names, counts, points, False, absorbed, len(everyone) - absorbed, all_points)
+    classes = log_classes(log, lives)
+    return Paths(lives, names, counts, points, False, absorbed, len(everyone) - absorbed, all_points, classes)
+
+
+def log_classes(log: TrackLog, lives: NDArray[np.void]) -> Classes:
+    """The class of each life over time, that of its track's last verdict; at its birth that of an earlier life of the track."""
+    if not len(log.verdicts):
+        return NO_CLASSES
+    class_ids, number = np.unique(log.verdicts["class_id"], return_inverse=True)
+    order = np.argsort(log.verdicts["track_id"], kind="stable")
+    track_id, t_us = (log.verdicts[name][order] for name in ("track_id", "t_us"))
+    begin, end = (np.searchsorted(track_id, lives["track_id"], side) for side in ("left", "right"))
+    times_us, labels = [_NOTHING], [_NOTHING]
+    for life, first, past in zip(lives, begin.tolist(), end.tolist(), strict=True):
+        own_us = t_us[first:past]
+        before = max(int(np.searchsorted(own_us, life["birth_us"], "right")) - 1, 0)
+        until = int(np.searchsorted(own_us, life["end_us"], "right"))
+        own = number[order[first + before : first + until]] if until > before else _NOTHING
+        changes = np.flatnonzero(np.diff(own, prepend=-1))
+        times_us.append(np.maximum(own_us[before + changes], life["birth_us"]))
+        labels.append(own[changes])
+    counts = np.array([len(own) for own in labels[1:]], np.int64)
+    shown = tuple(class_label(one, log.class_names) for one in class_ids.tolist())
+    return Classes(shown, counts, np.concatenate(times_us), np.concatenate(labels))
 
 
 def lasting(lives: NDArray[np.void]) -> NDArray[np.bool_]:

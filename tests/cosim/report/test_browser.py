@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from evcot_cosim.lockstep.verdict import verdict_of
 from evcot_cosim.report import Material, Side, write_report
 from evcot_cosim.report.page import render
 from evcot_cosim.report.part_pages import write_overview
+from support.logs import verdicts_of
 from support.texts import hard_to_read, texts_of
 
 from .conftest import Opened, mismatch_at, summary_of
@@ -555,6 +558,53 @@ def test_software_alone_speaks_of_no_hardware(browser: Any, material: Material, 
     assert {row[-1] for row in rows(opened)} == {"tracked"}
     assert opened.complaints == []
     opened.context.close()
+
+
+@pytest.fixture
+def classified(browser: Any, material: Material, tmp_path: Path) -> Iterator[Opened]:
+    """The software's tracks alone, of which every second is a cup from 0.3 s on, and none of the classes from 0.5 s on."""
+    log = material.sides[1].log
+    even = [one for one in np.unique(log.records["track_id"]).tolist() if one % 2 == 0]
+    begin_us = int(material.recording.events.t_us[0])
+    said = [(begin_us + at_us, one, class_id) for at_us, class_id in ((300_000, 2), (500_000, -1)) for one in even]
+    named = replace(log, verdicts=verdicts_of(*said), class_names={2: "cup"})
+    write_report(Material(material.recording, {"name": "alone"}, (Side("software", named),)), tmp_path / "alone.html")
+    opened = Opened(browser, tmp_path / "alone.html")
+    yield opened
+    assert opened.complaints == []
+    opened.context.close()
+
+
+DRAWN_TEXTS = """(at) => { const texts = []; const { prototype } = CanvasRenderingContext2D; const { fillText } = prototype;
+  prototype.fillText = function (text, ...more) {
+    if (this.canvas.id === "picture") texts.push(text);
+    return fillText.call(this, text, ...more); };
+  report.clock.seek(at); report.draw(); prototype.fillText = fillText; return texts; }"""
+
+
+def test_a_box_and_its_row_have_the_class_of_the_last_verdict_so_far(classified: Opened) -> None:
+    for at_us, label in ((290_000, None), (310_000, "cup"), (510_000, "?")):
+        texts = classified.ask(DRAWN_TEXTS, at_us)
+        shown = {row[1]: row[2] for row in rows(classified)}
+        labels = {label if int(track) % 2 == 0 else None for track in shown}
+        assert {text if text != "–" else None for text in shown.values()} == labels
+        assert all((text == "–") == (label is None or int(track) % 2 == 1) for track, text in shown.items())
+        assert [text for text in texts if not text.isdigit()] == [text for text in shown.values() if text != "–"]
+
+
+def test_objects_are_found_and_sorted_by_class_and_a_change_is_gone_to(classified: Opened) -> None:
+    classified.ask("() => report.clock.seek(310000)")
+    classified.page.locator("[data-sort=class]").click()
+    labels = [row[2] for row in rows(classified)]
+    assert set(labels) == {"cup", "–"}
+    assert labels == ["cup"] * labels.count("cup") + ["–"] * labels.count("–")
+    classified.page.locator("#find").fill("cup")
+    found = rows(classified)
+    assert found
+    assert all(int(row[1]) % 2 == 0 for row in found)
+    classified.page.locator("#objects tbody tr").first.click()
+    classified.page.get_by_role("button", name="class ?").first.click()
+    assert classified.now_us == 500_000
 
 
 BRIEF = 2_000  # tracks that end in their neighbour soon

@@ -12,11 +12,12 @@ from evcot.events import Events, Recording
 from evcot.metrics import GroundTruth
 from evcot.metrics.truth import OBJECT
 from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import LIFE
 from evcot_cosim.report import Material, Side
 from evcot_cosim.report.collect import collect
 from evcot_cosim.report.objects import objects_of
-from evcot_cosim.report.paths import Paths, log_paths, truth_paths
-from support.logs import log_of
+from evcot_cosim.report.paths import Paths, log_classes, log_paths, truth_paths
+from support.logs import log_of, verdicts_of
 
 LENGTH_US = 1_000_000
 SIDE = 10.0
@@ -187,3 +188,20 @@ def test_a_true_object_lives_where_it_counts() -> None:
     assert paths.lives["birth_us"].tolist() == [0, 30_000]
     assert paths.lives["end_us"].tolist() == [20_000, 50_000]
     assert paths.points["x"].tolist() == [0, 1, 3, 4, 5]
+
+
+def test_a_life_has_the_class_of_its_last_verdict_and_begins_with_that_of_an_earlier_one() -> None:
+    """Track 0 is a 7, again a 7, then none, is lost and found again; track 1 has no verdict; track 2's comes after its end."""
+    said = verdicts_of((12_000, 0, 7), (15_000, 0, 7), (18_000, 0, -1), (41_000, 2, 7), (60_000, 0, 3))
+    lives = np.zeros(4, LIFE)
+    lives["track_id"], lives["birth_us"], lives["end_us"] = (
+        (0, 1, 2, 0),
+        (10_000, 11_000, 30_000, 50_000),
+        (20_000, 90_000, 40_000, 90_000),
+    )
+    found = log_classes(replace(log_of([]), verdicts=said, class_names={7: "cup"}), lives)
+    assert found.labels == ("?", "3", "cup")
+    assert found.counts.tolist() == [2, 0, 0, 2]
+    assert found.t_us.tolist() == [12_000, 18_000, 50_000, 60_000]
+    assert found.label.tolist() == [2, 0, 0, 1]
+    assert log_classes(log_of([]), lives).labels == ()

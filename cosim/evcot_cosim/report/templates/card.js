@@ -144,7 +144,8 @@ export class Card {
     const found = this.objects.sides.flatMap((side, i) => object.lives[i].flatMap((life) => {
       const end = ENDS[side.ended[life]];
       const into = side.ended[life] === MERGED && side.other[life] >= 0 ? ` → ${side.ids[side.other[life]]}` : "";
-      return [{ at: side.birth[life], side, life, what: "birth" }, side.ended[life] !== ALIVE && { at: side.end[life], side, life, what: `${end}${into}` }];
+      const verdicts = side.classesOf(life).map(({ at, label }) => ({ at, side, life, what: `class ${label}` }));
+      return [{ at: side.birth[life], side, life, what: "birth" }, ...verdicts, side.ended[life] !== ALIVE && { at: side.end[life], side, life, what: `${end}${into}` }];
     })).filter((moment) => moment && moment.side.name !== "truth").sort((a, b) => a.at - b.at);
     const buttons = found.slice(0, MOMENTS_MAX).map(({ at, side, life, what }) => {
       return element("button", { type: "button", "data-at": at }, (at / 1e6).toFixed(3), element("span", { class: `${side.look}-name` }, `${side.short} ${side.ids[life]}`), what);

@@ -16,6 +16,12 @@ export function objectName(number, prefix = "") {
   return element("span", { class: "object" }, element("i", { style: `background: ${objectColour(number)}` }), `${prefix}${number}`);
 }
 
+/** Order of two numbers or texts; null comes last. */
+function inOrder(one, other) {
+  if (one === null || other === null) return (one === null) - (other === null);
+  return typeof one === "string" ? one.localeCompare(other, "en", { numeric: true }) : one - other;
+}
+
 export class ObjectList {
   constructor(objects, select) {
     Object.assign(this, { objects, filter: "now", sort: "number", descending: false, wanted: "" });
@@ -48,7 +54,7 @@ export class ObjectList {
     for (const button of document.querySelectorAll("[data-filter]")) button.querySelector("span").textContent = counts[button.dataset.filter];
     const candidates = this.wanted ? list.filter((object) => this.#matches(object)) : { now: list.filter(({ number }) => present.has(number) || number === selected), all: list, differ: differing }[this.filter];
     const shown = candidates.map((object) => this.#facts(object, present.get(object.number), now));
-    if (this.sort !== "number") shown.sort((a, b) => (a[this.sort] ?? Infinity) - (b[this.sort] ?? Infinity));
+    if (this.sort !== "number") shown.sort((a, b) => inOrder(a[this.sort], b[this.sort]));
     if (this.descending) shown.reverse();
     shown.length = Math.min(shown.length, ROWS_MAX);
     document.getElementById("more").textContent = candidates.length > ROWS_MAX ? `${ROWS_MAX} of ${numberText(candidates.length)} are listed; find narrows them.` : "";
@@ -69,7 +75,11 @@ export class ObjectList {
 
   #matches(object) {
     if (String(object.number) === this.wanted) return true;
-    return this.objects.sides.some((side, i) => object.lives[i].some((life) => [side.short, side.label].some((name) => `${name} ${side.ids[life]}`.toLowerCase() === this.wanted)));
+    return this.objects.sides.some((side, i) => object.lives[i].some((life) => this.#hasClass(side, life) || [side.short, side.label].some((name) => `${name} ${side.ids[life]}`.toLowerCase() === this.wanted)));
+  }
+
+  #hasClass(side, life) {
+    return side.classesOf(life).some(({ label }) => label.toLowerCase() === this.wanted);
   }
 
   #facts(object, lives, now) {
@@ -80,6 +90,7 @@ export class ObjectList {
     const ids = this.objects.sides.map((_, i) => this.objects.ids(object, i));
     return {
       number: object.number, ids, word, grade, box,
+      class: this.objects.classOf(object, lives, now) || null,
       size: box && 4 * box.halfWidth * box.halfHeight,
       speed: box && this.objects.sides[own].speedAt(lives[own], now),
       age: box && (now - object.birth) / 1e6,
@@ -88,11 +99,12 @@ export class ObjectList {
     };
   }
 
-  #row({ number, ids, box, speed, age, apart: distance, word, grade }, selected) {
+  #row({ number, ids, class: label, box, speed, age, apart: distance, word, grade }, selected) {
     if (!this.rows.has(number)) this.rows.set(number, this.#made(number, ids));
     const row = this.rows.get(number);
     const texts = [box ? `${Math.round(2 * box.halfWidth)}×${Math.round(2 * box.halfHeight)}` : "–", numberText(speed), numberText(age, 2), numberText(distance, 1), word];
     if (this.objects.sides.length < 2) texts.splice(3, 1);
+    if (this.objects.classified) texts.unshift(label ?? "–");
     texts.forEach((text, i) => { if (row.changing[i].textContent !== text) row.changing[i].textContent = text; });
     row.changing.at(-1).className = `chip ${grade}`;
     row.classList.toggle("gone", !box);
@@ -104,6 +116,7 @@ export class ObjectList {
     const row = element("tr", { "data-number": number, tabindex: "0" }, element("td", {}, objectName(number)));
     ids.forEach((own, i) => row.append(element("td", { class: `number ${this.objects.sides[i].look}-name` }, own.length > 3 ? `${own.length} tracks` : own.join(", ") || "–")));
     const cells = ["number wide", "number wide", "number wide", ...(ids.length > 1 ? ["number"] : [])].map((name) => element("td", { class: name }));
+    if (this.objects.classified) cells.unshift(element("td"));
     const status = element("span", { class: "chip" });
     row.append(...cells, element("td", {}, status));
     row.changing = [...cells, status];

@@ -112,6 +112,8 @@ async function start() {
       const first = lives.findIndex((life, i) => life >= 0 && shown.has(sides[i].name));
       if (first < 0) continue;
       const parts = [String(number)];
+      const label = lives.map((life, i) => (life >= 0 && shown.has(sides[i].name) ? sides[i].classAt(life, now) : "")).find(Boolean);
+      if (label) parts.push(label);
       if (number === selected) lives.forEach((life, i) => { if (life >= 0) parts.push(`${sides[i].short} ${sides[i].ids[life]}`); });
       tags.push({ box: inCells(sides[first].boxAt(lives[first], now)), parts: parts.map((text) => [text]), strong: number === selected });
     }
@@ -198,7 +200,8 @@ async function start() {
     const number = objectUnder(event);
     const found = surface.nearest(x, y, clock.now, power("fade") / 5);
     stage.canvas.style.cursor = number ? "pointer" : "crosshair";
-    const lines = [found < 0 ? `${x * cell}, ${y * cell} px` : `${recording.x[found] * cell}, ${recording.y[found] * cell} px`, number ? `object ${number}` : "no object"];
+    const label = number ? objects.classOf(objects.byNumber.get(number), present.get(number), clock.now) : "";
+    const lines = [found < 0 ? `${x * cell}, ${y * cell} px` : `${recording.x[found] * cell}, ${recording.y[found] * cell} px`, number ? `object ${number} ${label}`.trim() : "no object"];
     if (found >= 0) {
       lines.push(`${recording.p[found] ? "brighter" : "darker"} at ${(recording.t[found] / 1e6).toFixed(6)} s`);
       engines.forEach((side, i) => {

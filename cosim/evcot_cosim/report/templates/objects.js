@@ -51,6 +51,21 @@ export class Objects {
     return lives.map((life, i) => (life < 0 ? null : this.sides[i].boxAt(life, now)));
   }
 
+  /** The class that a side says of an object: now, or when it was last there; `lives` as of `at`. Empty if there is none. */
+  classOf(object, lives, now) {
+    for (const [i, side] of this.sides.entries()) {
+      const own = lives ? [lives[i]].filter((life) => life >= 0) : object.lives[i];
+      const found = own.map((life) => side.classAt(life, now)).findLast(Boolean);
+      if (found) return found;
+    }
+    return "";
+  }
+
+  /** Whether any side says classes. */
+  get classified() {
+    return this.sides.some((side) => side.labels.length);
+  }
+
   /** The ids of an object's tracks on a side, each once. */
   ids(object, i) {
     return [...new Set(object.lives[i].map((life) => this.sides[i].ids[life]))];

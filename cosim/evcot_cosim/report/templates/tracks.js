@@ -11,17 +11,21 @@ const SPEED_US = 120_000; // over which a speed is measured
 
 export class Tracks {
   /** Columns of paths.py under this name. */
-  constructor({ name, label, short, ids, look, moving, waves }, columns) {
+  constructor({ name, label, short, ids, labels, look, moving, waves }, columns) {
     const of = (field) => columns[`${name}.${field}`];
     Object.assign(this, {
-      name, label, short, ids, look, moving, waves,
+      name, label, short, ids, labels, look, moving, waves,
       slot: of("slot"), birth: of("birth"), end: of("end"), ended: of("ended"), other: of("other"), object: of("object"),
       t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), angle: of("angle"),
-      aliveT: of("alive_t"), alive: of("alive"),
+      aliveT: of("alive_t"), alive: of("alive"), classT: of("class_t"), classLabel: of("class_label"),
     });
     this.lives = ids.length;
     this.first = new Int32Array(this.lives + 1); // where each life's points begin
-    for (let i = 0; i < this.lives; i++) this.first[i + 1] = this.first[i] + of("count")[i];
+    this.firstClass = new Int32Array(this.lives + 1); // the same of its changes of class
+    for (let i = 0; i < this.lives; i++) {
+      this.first[i + 1] = this.first[i] + of("count")[i];
+      this.firstClass[i + 1] = this.firstClass[i] + (labels.length ? of("class_count")[i] : 0);
+    }
   }
 
   /** The lives at a time, after all changes at that time, in order of birth. */
@@ -58,6 +62,20 @@ export class Tracks {
     box.x += part * (this.x[next] - box.x);
     box.y += part * (this.y[next] - box.y);
     return box;
+  }
+
+  /** The class of a life, by its last verdict so far; empty before the first one. */
+  classAt(life, now) {
+    if (!this.labels.length) return "";
+    const change = after(this.classT, now, this.firstClass[life], this.firstClass[life + 1]) - 1;
+    return change < this.firstClass[life] ? "" : this.labels[this.classLabel[change]];
+  }
+
+  /** All changes of a life's class: {at, label}. */
+  classesOf(life) {
+    const changes = [];
+    for (let i = this.firstClass[life]; i < this.firstClass[life + 1]; i++) changes.push({ at: this.classT[i], label: this.labels[this.classLabel[i]] });
+    return changes;
   }
 
   /** Pixels per second over the last tenth of a second or so; null of a life that is younger. */
