@@ -27,6 +27,7 @@ __all__ = [
     "RUN_DEFAULT",
     "RUN_LOGS",
     "checkpoint_option",
+    "classify_option",
     "clock_from",
     "clock_options",
     "damage_options",
@@ -52,6 +53,11 @@ def checkpoint_option(parser: argparse.ArgumentParser) -> None:
         help="save the state every so many events, so that the same command continues after a kill "
         "(default: %(default)s; 0: never)",
     )  # fmt: skip
+
+
+def classify_option(parser: argparse.ArgumentParser) -> None:
+    """Add --classify."""
+    parser.add_argument("--classify", type=input_path, metavar="NPZ", help="classify tracks with weights of `evcot train`")
 
 
 def recording_options(parser: argparse.ArgumentParser) -> None:

@@ -11,7 +11,15 @@ from evcot.trackers.engines import DEFAULT, ENGINES
 from evcot.tracks.suffixes import CSV, LOG_SUFFIXES
 
 from ..live import PORT
-from .options import FORMATS_TEXT, checkpoint_option, clock_options, damage_options, filter_options, recording_options
+from .options import (
+    FORMATS_TEXT,
+    checkpoint_option,
+    classify_option,
+    clock_options,
+    damage_options,
+    filter_options,
+    recording_options,
+)
 from .parsing import add_command, group_of, input_each, input_or_name, input_path, json_or_quiet, output_option
 
 __all__ = ["add_anomalies", "add_boxes", "add_evaluate", "add_live", "add_presets", "add_track", "add_train"]
@@ -70,7 +78,7 @@ def add_track(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     output_option(parser, "--csv", suffixes=(CSV,), metavar="LOG.csv", help="write its records as text, too")
     output_option(parser, "--boxes", metavar="FILE", help="write the tracks' boxes, one per frame (--frame-us)")
     parser.add_argument("--boxes-format", metavar="NAME", help=f"format of the boxes: {FORMATS_TEXT}")
-    parser.add_argument("--classify", type=input_path, metavar="NPZ", help="classify tracks with weights of `evcot train`")
+    classify_option(parser)
     clock_options(parser, "the first event")
     recording_options(parser)
     filter_options(parser)
@@ -81,6 +89,7 @@ def add_track(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
 _LIVE_EXAMPLES = """
 evcot live drive.aedat4                        # a file in real time, in the terminal
 evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed; engine and place are chosen there
+evcot live drive.aedat4 --web --classify digits.npz  # the class of each track, with weights of `evcot train`
 evcot live drive.aedat4 --web --with-hardware  # hardware in simulation beside the software tracker
 evcot live tcp://127.0.0.1:7777 --engine rct --preset traffic --save seen.aedat4
 evcot live camera --web                        # needs pip install evcot[camera]
@@ -108,6 +117,7 @@ def add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         parser, "--save", metavar="FILE", help="record everything received: .aedat4 or .raw; readable even after a kill"
     )
     output_option(parser, "--save-log", suffixes=(".npz",), metavar="LOG.npz", help="write the track log when the run ends")
+    classify_option(parser)
     parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="stop after so many seconds")
     engine_options(parser)
     recording_options(parser)

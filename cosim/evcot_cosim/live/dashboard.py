@@ -141,14 +141,16 @@ def _side(session: Session, clusters: Clusters, undrawn: int, url: str | None) -
         grid.add_row(name, Text(value, style="bold red" if alarming else "bold"))
     grid.add_row("not drawn", f"{undrawn:,}")
     table = Table(box=None, padding=(0, 1))
-    for name in ("id", "age", "x", "y", "size", "px/s"):
+    classes = ["class"] if len(session.labels) > 2 else []
+    for name in ("id", *classes, "age", "x", "y", "size", "px/s"):
         table.add_column(name, justify="right", header_style="dim")
-    oldest = sorted(zip(clusters.birth_us.tolist(), clusters.states, strict=True), key=lambda each: each[0])
-    for birth_us, state in oldest[:_CLUSTERS_MAX]:
+    rows = zip(clusters.birth_us.tolist(), clusters.label.tolist(), clusters.states, strict=True)
+    oldest = sorted(rows, key=lambda each: each[0])
+    for birth_us, label, state in oldest[:_CLUSTERS_MAX]:
         age_s = max(int(state["t_us"]) - birth_us, 0) / 1e6
         size, speed = f"{state['width']:.0f}x{state['height']:.0f}", f"{math.hypot(state['vx'], state['vy']):.0f}"
         numbers = f"{age_s:.1f} s", f"{state['x']:.0f}", f"{state['y']:.0f}", size, speed
-        table.add_row(str(state["track_id"]), *numbers)
+        table.add_row(str(state["track_id"]), *([session.labels[label]] if classes else []), *numbers)
     page = Text(f"page: {url}\n" if url else "page: --web shows one\n", style="dim")
     return Group(Panel(Group(grid, page), title="figures"), Panel(table, title="clusters, oldest first"))
 

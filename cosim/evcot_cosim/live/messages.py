@@ -8,7 +8,7 @@ FRAME (1), server to page: 32 bytes, then arrays.
 
     offset  type  what
     0       u8    1
-    1       u8    version of this layout, 3
+    1       u8    version of this layout, 4
     2       u16   k, number of clusters
     4       u32   number of the frame
     8       u32   n, number of events
@@ -17,7 +17,8 @@ FRAME (1), server to page: 32 bytes, then arrays.
     24      f32   u, unit of the ages, us
     28      u32   0
     then    k times: u32 track id (its low 32 bits), f32 x, f32 y, f32 width, f32 height (px), f32 angle (rad), f32 vx, f32 vy
-            (px/s), f32 confidence, f32 time since birth (s), u32 which tracker: 0, or 1, 2, … of those beside it
+            (px/s), f32 confidence, f32 time since birth (s), u32 which tracker: 0, or 1, 2, … of those beside it, u32 class so
+            far: a place in the `labels` of `hello`
             u16[n] x, u16[n] y, u16[n] age: the event happened age * u before the newest one
             u8[n]  bit 0: polarity; bit 1: a filter removed the event
 
@@ -40,11 +41,11 @@ from .visible_clusters import Clusters
 
 __all__ = ["drawn_number", "pack_frame", "wish_in"]
 
-_FRAME, _DRAWN, _VERSION = 1, 2, 3
+_FRAME, _DRAWN, _VERSION = 1, 2, 4
 _HEAD = struct.Struct("<BBHIIIdf4x")
 _DRAWN_MESSAGE = struct.Struct("<B3xI")
 _STATE = ("x", "y", "width", "height", "angle", "vx", "vy", "confidence")
-_CLUSTER = np.dtype([("id", "<u4"), *((name, "<f4") for name in _STATE), ("age_s", "<f4"), ("lane", "<u4")])
+_CLUSTER = np.dtype([("id", "<u4"), *((name, "<f4") for name in _STATE), ("age_s", "<f4"), ("lane", "<u4"), ("label", "<u4")])
 _AGE_MAX = (1 << 16) - 1
 _CLUSTERS_MAX = (1 << 16) - 1
 _PLAY: dict[str, Any] = {"type": str, "engine": str, "preset": (str, type(None)), "hardware": bool, "at_s": (int, float)}
@@ -71,7 +72,7 @@ def _clusters(frame: Frame, lane: int, of: Clusters) -> NDArray[np.void]:
     for name in _STATE:
         clusters[name] = of.states[name]
     clusters["age_s"] = np.maximum(frame.t_us - of.birth_us, 0) / 1e6
-    clusters["lane"] = lane
+    clusters["lane"], clusters["label"] = lane, of.label
     return clusters
 
 

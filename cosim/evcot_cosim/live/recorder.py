@@ -18,7 +18,8 @@ from evcot.recordings.files import format_for
 from evcot.recordings.formats.aedat4_sink import Aedat4Sink
 from evcot.recordings.formats.evt_writers import Evt3Sink
 from evcot.recordings.formats.source import Sensor
-from evcot.tracks.log import TRACK, TrackLog
+from evcot.tracks.log import TRACK, VERDICT, TrackLog
+from evcot.tracks.record import NO_NAMES, ClassNames
 
 __all__ = ["LogKeeper", "Recorder"]
 
@@ -91,9 +92,10 @@ class Recorder:
 
 
 class LogKeeper:
-    """Collects records and owners in temporary files until the run ends, so that memory does not grow.
+    """Collects a log in temporary files until the run ends, so that memory does not grow.
 
     Args:
+        class_names: as of `TrackLog`.
         force: replace a file that exists.
 
     Raises:
@@ -101,28 +103,31 @@ class LogKeeper:
         OutputError: the file exists, or nothing can be written there.
     """
 
-    def __init__(self, path: Path, engine: str, *, force: bool = False) -> None:
+    def __init__(self, path: Path, engine: str, class_names: ClassNames = NO_NAMES, *, force: bool = False) -> None:
         if path.suffix != ".npz":
             raise ConfigError(f"--save-log {path}: must end in .npz")
         check_file(path, force=force)
-        self.path, self._engine, self._force = path, engine, force
+        self.path, self._engine, self._class_names, self._force = path, engine, class_names, force
         self._records = _Spool(path, TRACK)
         self._owner = _Spool(path, np.dtype(np.int16))
+        self._verdicts = _Spool(path, VERDICT)
 
-    def add(self, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:
-        """Append a tracker's records and owners."""
-        self._records.add(records)
-        self._owner.add(owner)
+    def add(self, records: NDArray[np.void], owner: NDArray[np.int16], verdicts: NDArray[np.void]) -> None:
+        """Append a tracker's records, owners and verdicts."""
+        for spool, rows in ((self._records, records), (self._owner, owner), (self._verdicts, verdicts)):
+            spool.add(rows)
 
     def close(self) -> None:
         """Write the log."""
-        TrackLog(self._engine, self._records.array(), self._owner.array()).save_npz(self.path, force=self._force)
+        verdicts, names = self._verdicts.array(), self._class_names
+        log = TrackLog(self._engine, self._records.array(), self._owner.array(), verdicts=verdicts, class_names=names)
+        log.save_npz(self.path, force=self._force)
         self.drop()
 
     def drop(self) -> None:
         """Discard everything not yet written."""
-        self._records.close()
-        self._owner.close()
+        for spool in (self._records, self._owner, self._verdicts):
+            spool.close()
 
 
 class _Spool:

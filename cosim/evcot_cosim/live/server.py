@@ -219,7 +219,8 @@ class Server:
             undrawn.begin(run.session)
             changes = may_change and not self._player.fixed
             why = self._player.fixed if may_change else "this page is on another machine: it can only watch"
-            hello = {"type": "hello", **run.hello, "changes": changes, "fixed": "" if changes else why}
+            hello = {"type": "hello", **run.hello, "labels": run.session.labels}
+            hello |= {"changes": changes, "fixed": "" if changes else why}
             await connection.send(json.dumps(hello))
             work = [
                 self._send_frames(connection, run.session, inbox, undrawn),

@@ -44,7 +44,7 @@ class Session:
 
     Args:
         tracker: a new tracker.
-        recorder, log: optional files for all received events, and for the tracker's records and owners.
+        recorder, log: optional files for all received events, and for the tracker's log.
         beside: more trackers of the same events; only what they have visible and their figures are known.
 
     Attributes:
@@ -130,6 +130,11 @@ class Session:
         return self._main.clusters
 
     @property
+    def labels(self) -> tuple[str, ...]:
+        """How classes are shown; `Clusters.label` is a place in it."""
+        return self._main.labels
+
+    @property
     def beside(self) -> list[Clusters]:
         """The clusters that the trackers beside it have visible."""
         return [lane.clusters for lane in self._lanes[1:]]
@@ -174,9 +179,9 @@ class Session:
         for inbox in self._inboxes:
             inbox.put(Step(arrival.events, owner, arrival.arrived_s))
 
-    def _keep(self, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:
+    def _keep(self, records: NDArray[np.void], owner: NDArray[np.int16], verdicts: NDArray[np.void]) -> None:
         if self._log is not None:
-            self._log.add(records, owner)
+            self._log.add(records, owner, verdicts)
 
     def figures(self) -> dict[str, Any]:
         """All figures as plain values; undefined ones are None. Rates cover the last second: call at least that often."""

@@ -16,8 +16,9 @@ from evcot.events import Events
 from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.golden import GoldenTracker
 from evcot.recordings.formats.source import Sensor
-from evcot.tracks.log import DROPPED, Kind
-from evcot.tracks.tracking import Tracker, TrackerOutput
+from evcot.tracks.log import DROPPED, TRACK, Kind
+from evcot.tracks.record import no_verdicts
+from evcot.tracks.tracking import Tracker, TrackerOutput, class_names_of, take_verdicts
 
 from ..devices.device import build_device
 from ..devices.tracker import DeviceTracker
@@ -37,6 +38,8 @@ class GapTracker:
     def __init__(self, tracker: Tracker) -> None:
         self._tracker = tracker
         self._fed = 0
+        self._verdicts = no_verdicts()
+        self.class_names = class_names_of(tracker)
         # Of every gap that still matters, and the last one before what is not settled: events that the tracker had been
         # fed before it, and how many were missing after it.
         self._gaps = [(0, 0)]
@@ -53,10 +56,17 @@ class GapTracker:
     def feed(self, events: Events) -> TrackerOutput:
         """See `Tracker.feed`."""
         records, owner = self._tracker.feed(events)
+        self._verdicts = take_verdicts(self._tracker)
+        self._verdicts["event_index"] += self._gaps[-1][1]  # a verdict is of an event of this run
         self._fed += len(events)
         self._number(records)
         self._forget()
         return records, owner
+
+    def take_verdicts(self) -> NDArray[np.void]:
+        """Those of the last run."""
+        taken, self._verdicts = self._verdicts, no_verdicts()
+        return taken
 
     def finish(self) -> NDArray[np.void]:
         """See `Tracker.finish`."""
@@ -114,7 +124,7 @@ _LOSSES_MAX = 3  # until a substitute takes over
 _LOSS_S = 1.0  # between two that count
 _WAITING_EVENTS = 1 << 23  # 100 MB: enough for a quarter of a second of any camera
 
-Keep = Callable[[NDArray[np.void], NDArray[np.int16]], None]
+Keep = Callable[[NDArray[np.void], NDArray[np.int16], NDArray[np.void]], None]
 Done = Callable[[Arrival, NDArray[np.int16]], None]
 
 
@@ -139,7 +149,7 @@ class Lane:
 
     Args:
         wait_s: events that have waited longer for the tracker are dropped if there are newer ones.
-        keep: called with all records and owners, those of dropped events included.
+        keep: called with all records, owners and verdicts; owners of dropped events are included.
         done: called with every packet that was tracked, and its owners.
 
     Attributes:
@@ -150,15 +160,16 @@ class Lane:
     """
 
     def __init__(
-        self, run: Beside, wait_s: float, keep: Keep = lambda _records, _owner: None, done: Done = lambda _arrival, _owner: None
-    ) -> None:
+        self, run: Beside, wait_s: float, keep: Keep = lambda _records, _owner, _verdicts: None,
+        done: Done = lambda _arrival, _owner: None,
+    ) -> None:  # fmt: skip
         self.name, self.about = run.name, run.about
         self.waiting: Waiting[Arrival] = Waiting(wait_s, _WAITING_EVENTS)
         self.tracked = Latency()
         self.fed = 0
         self.last_us = 0
-        self._alive = Alive()
         self._tracker = GapTracker(run.tracker)
+        self._alive = Alive(self._tracker.class_names)
         self._substitute = run.substitute
         self._losses, self._loss_s = 0, -math.inf
         self._keep, self._done = keep, done
@@ -168,17 +179,22 @@ class Lane:
         """The clusters that are visible now."""
         return self._alive.clusters
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What `Clusters.label` counts."""
+        return self._alive.labels
+
     def work(self) -> None:
         """Track what comes until the queue is closed."""
         while (taken := self.waiting.take(0.1, most=1)) is not None:
             if taken.lost and self._substitute is not None and self._is_late_again():
                 self._take_over("did not keep up")
-            self._keep(np.empty(0, self._alive.clusters.states.dtype), self._tracker.skip(taken.lost))
+            self._keep(np.empty(0, TRACK), self._tracker.skip(taken.lost), no_verdicts())
             for arrival in taken.items:
                 self._step(arrival)
         records = self._tracker.finish()
         self._alive.apply(records)
-        self._keep(records, np.empty(0, np.int16))
+        self._keep(records, np.empty(0, np.int16), no_verdicts())
 
     def _step(self, arrival: Arrival) -> None:
         try:
@@ -188,11 +204,12 @@ class Lane:
                 raise
             self._take_over(str(error))
             records, owner = self._tracker.feed(arrival.events)
-        self._alive.apply(records)
+        verdicts = self._tracker.take_verdicts()
+        self._alive.apply(records, verdicts)
         self.fed += len(owner)
         self.last_us = int(arrival.events.t_us[-1])
         self.tracked.add(np.array([time.perf_counter() - arrival.arrived_s]))
-        self._keep(records, owner)
+        self._keep(records, owner, verdicts)
         self._done(arrival, owner)
 
     def _is_late_again(self) -> bool:
@@ -207,8 +224,8 @@ class Lane:
         about, start = self._substitute
         self.about = f"{about}; {self.about} {why}"
         self._substitute = None
-        self._alive = Alive()
         self._tracker = GapTracker(start())
+        self._alive = Alive(self._tracker.class_names)
 
     def figures(self) -> dict[str, Any]:
         """Its figures as plain values; undefined ones are None."""

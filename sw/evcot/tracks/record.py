@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from enum import IntEnum
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ __all__ = [
     "BEGIN_US",
     "DROPPED",
     "NO_CLASS",
+    "NO_NAMES",
     "TRACK",
     "VERDICT",
     "ClassNames",
@@ -86,6 +88,7 @@ summed over the `windows` of the vote; the event that completed the last window,
 ClassNames = Mapping[int, str]
 """The name of each class by its number; a class without a name is shown by its number."""
 
+NO_NAMES: ClassNames = MappingProxyType({})
 NO_CLASS = "?"  # label of a track that is of none of the classes
 _NAME_MAX = 64  # characters
 

@@ -83,6 +83,22 @@ def test_tracks_get_the_class_of_their_object(
     assert row.split()[-2:] == [f"{classes['hota_mean']:.3f}"] * 2
 
 
+def test_a_live_run_has_the_same_verdicts(trained: Path, tmp_path: Path) -> None:
+    recording, log = str(trained / "e.aedat4"), tmp_path / "log.npz"
+    assert main(["live", recording, "--classify", str(trained / "w.npz"), "--save-log", str(log), "--speed", "5", "-q"]) == 0
+    found, wanted = evcot.TrackLog.load(log), evcot.track(recording, classify=trained / "w.npz")
+    if not (found.owner == evcot.DROPPED).any():  # a busy machine drops packets
+        assert np.array_equal(found.verdicts, wanted.verdicts)
+    assert len(found.verdicts)
+    assert found.class_names == {0: "square", 1: "cross"}
+
+
+def test_a_live_run_of_another_engine_is_refused(trained: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    classify = ["--classify", str(trained / "w.npz"), "--engine", "rct"]
+    assert main(["live", str(trained / "e.aedat4"), *classify, "-q"]) == 2
+    assert "engine rct: must be cot_motion, the tracker of the weights" in capsys.readouterr().err
+
+
 def test_a_margin_that_nothing_reaches_gives_none_of_the_classes(trained: Path, tmp_path: Path) -> None:
     files = [[str(trained / f"{name}.{suffix}") for name in "abcd"] for suffix in ("aedat4", "json")]
     strict = str(tmp_path / "strict.npz")

@@ -6,16 +6,19 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.tracks.log import TRACK, Kind
+from evcot.tracks.record import ClassNames, no_verdicts
 from evcot.tracks.tracking import TrackerOutput
 from evcot_cosim.live.player import Player, Run, Wish
 from evcot_cosim.live.queues import Arrival
 from evcot_cosim.live.session import Session
+from support.logs import verdicts_of
 
 SENSOR = (64, 48)
 HELLO = {
@@ -73,6 +76,28 @@ class EveryTenth:
     @property
     def settled(self) -> int:
         return self._seen
+
+
+class Classified(EveryTenth):
+    """The same with a classifier: a cup from event 100 on, none of the classes from event 200 on."""
+
+    class_names: ClassNames = MappingProxyType({3: "cup", 8: "plate"})
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._verdicts = no_verdicts()
+
+    def feed(self, some: Events) -> TrackerOutput:
+        begin = self._seen
+        output = super().feed(some)
+        self._verdicts = verdicts_of(
+            *((int(some.t_us[at - begin]), 0, class_id) for at, class_id in ((100, 3), (200, -1)) if begin <= at < self._seen)
+        )
+        self._verdicts["event_index"] = [at for at in (100, 200) if begin <= at < self._seen]
+        return output
+
+    def take_verdicts(self) -> NDArray[np.void]:
+        return self._verdicts
 
 
 class Played:

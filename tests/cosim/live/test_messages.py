@@ -16,7 +16,7 @@ from evcot.events import Events
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.rct.config import PRESETS
 from evcot.trackers.rct.tracker import track
-from evcot.tracks.log import DROPPED, Kind
+from evcot.tracks.log import DROPPED, TRACK, Kind
 from evcot.tracks.timeline import sample
 from evcot_cosim.live.frame import FrameMaker
 from evcot_cosim.live.messages import drawn_number, pack_frame, wish_in
@@ -24,6 +24,7 @@ from evcot_cosim.live.player import Wish
 from evcot_cosim.live.queues import Arrival, Latency, Taken, Waiting
 from evcot_cosim.live.session import Step
 from evcot_cosim.live.visible_clusters import Alive, Clusters
+from support.logs import verdicts_of
 
 from .stories import SENSOR, events, random_events, record
 
@@ -49,10 +50,10 @@ def test_a_frame_has_the_newest_event_of_every_pixel() -> None:
 
 
 def test_the_layout() -> None:
-    alive = Alive()
+    alive = Alive({4: "cup"})
     one, other = record(Kind.BORN, 1_000, 0, 5, x=1), record(Kind.BORN, 2_000, 0, (1 << 32) + 6, x=7.5)
     other["angle"], other["vx"], other["vy"], other["confidence"] = 0.5, -20, 30, 0.75
-    alive.apply(np.concatenate([one, other]))
+    alive.apply(np.concatenate([one, other]), verdicts_of((1_500, 5, 4)))
     some = Events.joined([events(10_000, x=1, y=2), events(20_000, x=3, y=4), events(30_000, x=63, y=47)])
     on = Events(some.t_us, some.x, some.y, np.array([1, 0, 1], np.uint8))
     below = Alive()
@@ -60,17 +61,17 @@ def test_the_layout() -> None:
     frame = FrameMaker(SENSOR, 7).make([step(on[:2]), step(on[2:], DROPPED)], alive.clusters, [Clusters(), below.clusters])
     data = pack_frame(frame, 5_000)
     assert data[0] == 1
-    assert struct.unpack_from("<BHIII", data, 1) == (3, 3, 7, 3, 0)
+    assert struct.unpack_from("<BHIII", data, 1) == (4, 3, 7, 3, 0)
     t_us, unit_us, zero = struct.unpack_from("<dfI", data, 16)
     assert (t_us, zero) == (25_000, 0)
-    assert struct.unpack_from("<I9fI", data, 32) == (5, 1, 5, 7, 5, 0, 0, 0, 0, pytest.approx(0.029), 0)
-    assert struct.unpack_from("<I9fI", data, 76) == (6, 7.5, 5, 7, 5, 0.5, -20, 30, 0.75, pytest.approx(0.028), 0)
-    assert struct.unpack_from("<I9fI", data, 120)[-1] == 2, "of the second tracker beside it"
-    x, y, age = (np.frombuffer(data, "<u2", 3, 164 + 8 * i) for i in range(3))
+    assert struct.unpack_from("<I9fII", data, 32) == (5, 1, 5, 7, 5, 0, 0, 0, 0, pytest.approx(0.029), 0, 2)
+    assert struct.unpack_from("<I9fII", data, 80) == (6, 7.5, 5, 7, 5, 0.5, -20, 30, 0.75, pytest.approx(0.028), 0, 0)
+    assert struct.unpack_from("<I9fII", data, 128)[-2:] == (2, 0), "of the second tracker beside it"
+    x, y, age = (np.frombuffer(data, "<u2", 3, 176 + 8 * i) for i in range(3))
     assert (x.tolist(), y.tolist()) == ([1, 3, 63], [2, 4, 47])
     assert age * unit_us == pytest.approx([20_000, 10_000, 0], abs=1)
-    assert list(data[188:191]) == [1, 0, 3]
-    assert len(data) == 192
+    assert list(data[200:203]) == [1, 0, 3]
+    assert len(data) == 204
 
 
 def test_ages_are_as_fine_as_the_frame_is_short() -> None:
@@ -135,6 +136,25 @@ def test_a_life() -> None:
     alive.apply(np.concatenate([record(Kind.BORN, 150, 5, 8), record(Kind.LOST, 160, 6, 8), record(Kind.LOST, 170, 7, 7)]))
     assert len(alive.clusters.states) == len(alive.clusters.birth_us) == 0
     assert [alive.count[kind] for kind in Kind] == [3, 2, 1, 2]
+
+
+def test_a_cluster_has_the_class_of_its_tracks_last_verdict() -> None:
+    alive = Alive({9: "cup", 4: "plate"})
+    assert alive.labels == ("", "?", "cup", "plate")
+    alive.apply(np.concatenate([record(Kind.BORN, 100, 0, 1), record(Kind.BORN, 100, 0, 2)]))
+    labels = [alive.clusters.label.tolist()]
+    one, other = verdicts_of((110, 1, 9)), verdicts_of((120, 2, 4), (130, 2, -1))
+    other["slot"] = 1
+    for verdicts, records in (
+        (one, []),
+        (other, []),
+        (verdicts_of(), [record(Kind.LOST, 140, 2, 1)]),
+        (verdicts_of(), [record(Kind.MOVED, 150, 3, 1)]),
+        (verdicts_of(), [record(Kind.LOST, 160, 4, 1), record(Kind.BORN, 170, 5, 3)]),  # another track in slot 0
+    ):
+        alive.apply(np.concatenate([np.empty(0, TRACK), *records]), verdicts)
+        labels.append(alive.clusters.label.tolist())
+    assert labels == [[0, 0], [2, 0], [2, 0], [0], [2, 0], [0, 0]]
 
 
 def test_a_track_that_was_lost_and_is_found_again_is_visible_since_then() -> None:

@@ -19,9 +19,10 @@ from evcot_cosim.live.player import Begin, Player, Run, Wish
 from evcot_cosim.live.server import Server
 from evcot_cosim.live.session import Session
 from evcot_cosim.live.tracker_thread import Beside
+from support.logs import verdicts_of
 from support.texts import hard_to_read, texts_of
 
-from .stories import HELLO, SENSOR, EveryTenth, Played, events, playing, wait_until
+from .stories import HELLO, SENSOR, Classified, EveryTenth, Played, events, playing, wait_until
 
 pytest.importorskip("websockets", reason="websockets is not installed")
 
@@ -94,10 +95,48 @@ def test_it_draws_events_and_clusters_and_tells_figures(open_page: Any, server: 
     assert page.text("#clusters") == "1"
     assert page.text("#dropped") == "0"
     assert page.text("#slipped_s") == "0.0 s"
-    assert page.text("#rows td:nth-child(3)") == "20"
+    assert page.text("#rows td:nth-child(4)") == "20"
+    assert not page.page.is_visible("#rows td:nth-child(2)"), "no classes"
     assert page.shows(40, 40, "#07090c")
     assert not page.shows(20, 10, "#07090c"), "events"
     assert page.shows(16.5, 10, "#ff9b47"), "the window's edge, 3 pixels and a half left of the centre"
+
+
+DRAWN_TEXTS = """() => {
+  const { prototype } = CanvasRenderingContext2D; const { fillText } = prototype; const texts = [];
+  prototype.fillText = function (text, ...more) { texts.push(text); return fillText.call(this, text, ...more); };
+  document.getElementById("rail").dispatchEvent(new Event("input")); prototype.fillText = fillText; return texts; }"""
+
+
+class Asked(Classified):
+    """A tracker that says the classes that it is told to say."""
+
+    def __init__(self, said: list[int]) -> None:
+        super().__init__()
+        self._said = said
+
+    def feed(self, some: Events) -> TrackerOutput:
+        output = EveryTenth.feed(self, some)
+        self._verdicts = verdicts_of(*((int(some.t_us[-1]), 0, self._said.pop()) for _ in self._said[:1]))
+        return output
+
+
+def test_classes_are_in_the_table_and_on_the_boxes(browser: Any) -> None:
+    said: list[int] = []
+    player = playing(Session(Played(blinking(), lambda _: time.sleep(0.01)), Asked(said), wait_s=10.0))
+    player.start()
+    try:
+        with Server(player, port=0) as server:
+            page = Page(browser, server.url)
+            assert page.page.is_visible("#tracked th:nth-child(2)")
+            for class_ids, label in (([], "–"), ([3], "cup"), ([-1], "?")):
+                said += class_ids
+                wait_until(lambda label=label: page.text("#rows td:nth-child(2)") == label, 20)  # type: ignore[misc]
+                assert page.page.evaluate(DRAWN_TEXTS) == ["0", label][: 1 + len(class_ids)]
+            page.context.close()
+    finally:
+        player.stop()
+    assert page.said == []
 
 
 def test_layers_can_be_switched_off(open_page: Any) -> None:

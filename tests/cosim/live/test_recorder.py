@@ -19,6 +19,7 @@ from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.live.player import Begin, Player, Run, Wish
 from evcot_cosim.live.recorder import LogKeeper, Recorder
 from evcot_cosim.live.session import Session
+from support.logs import verdicts_of
 
 from .stories import HELLO, SENSOR, EveryTenth, Played, parts_of, random_events, record, wait_until
 
@@ -93,15 +94,18 @@ def test_no_file_is_written_over(tmp_path: Path) -> None:
 
 
 def test_a_log_is_written_when_it_is_closed(tmp_path: Path) -> None:
-    keeper = LogKeeper(tmp_path / "log.npz", "rct")
+    keeper = LogKeeper(tmp_path / "log.npz", "rct", {4: "cup"})
     records = np.concatenate([record(Kind.BORN, 5, 0, 1), record(Kind.MOVED, 9, 3, 1)])
-    keeper.add(records[:1], np.array([0, -1], np.int16))
-    keeper.add(records[1:], np.array([-2, 0], np.int16))
+    verdicts = verdicts_of((5, 1, 4), (9, 1, -1))
+    keeper.add(records[:1], np.array([0, -1], np.int16), verdicts[:1])
+    keeper.add(records[1:], np.array([-2, 0], np.int16), verdicts[1:])
     assert list(tmp_path.iterdir()) == []
     keeper.close()
     log = TrackLog.load_npz(tmp_path / "log.npz")
     assert (log.engine, log.owner.tolist()) == ("rct", [0, -1, -2, 0])
     assert np.array_equal(log.records, records)
+    assert np.array_equal(log.verdicts, verdicts)
+    assert log.class_names == {4: "cup"}
 
 
 def test_a_log_of_nothing(tmp_path: Path) -> None:

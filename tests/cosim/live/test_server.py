@@ -68,7 +68,13 @@ def answer(connection: ClientConnection, frame: bytes) -> None:
 
 def test_it_says_who_it_is_then_sends_frames_and_figures(server: Server, session: Session) -> None:
     with look(server) as connection:
-        assert json.loads(connection.recv(timeout=10)) == {"type": "hello", **HELLO, "changes": True, "fixed": ""}
+        assert json.loads(connection.recv(timeout=10)) == {
+            "type": "hello",
+            **HELLO,
+            "labels": ["", "?"],
+            "changes": True,
+            "fixed": "",
+        }
         texts, frames = [], []
         while len(frames) < 10 or not texts or json.loads(texts[-1])["drawn_ms"]["p50"] is None:
             message = connection.recv(timeout=10)

@@ -23,7 +23,7 @@ from evcot_cosim.live.recorder import LogKeeper, Recorder
 from evcot_cosim.live.session import Session
 from evcot_cosim.live.tracker_thread import Beside, GapTracker
 
-from .stories import SENSOR, EveryTenth, Played, parts_of, random_events, record, wait_until
+from .stories import SENSOR, Classified, EveryTenth, Played, parts_of, random_events, record, wait_until
 
 
 class Slow(EveryTenth):
@@ -155,6 +155,31 @@ def test_records_number_what_the_tracker_has_not_seen_too() -> None:
     tracker.skip(7)
     records += [tracker.feed(random_events(10, 3))[0], tracker.finish()]  # 30 -> 137; at the end -> 142
     assert np.concatenate(records)["event_index"].tolist() == [0, 10, 120, 137, 142]
+
+
+def test_verdicts_number_what_the_tracker_has_not_seen_too() -> None:
+    tracker = GapTracker(Classified())
+    assert tracker.class_names == {3: "cup", 8: "plate"}
+    taken = []
+    for size in (90, 60, 60):
+        tracker.feed(random_events(size, size))
+        taken.append(tracker.take_verdicts()["event_index"].tolist())
+        assert not len(tracker.take_verdicts())
+        tracker.skip(1_000)
+    assert taken == [[], [1_100], [2_200]]
+
+
+def test_the_log_of_a_session_has_its_verdicts(tmp_path: Path) -> None:
+    some = random_events(300, 1)
+    names = Classified.class_names
+    session = Session(Played(parts_of(some, 30)), Classified(), log=LogKeeper(tmp_path / "a.npz", "cot_motion", names))
+    session.start()
+    wait_until(lambda: not session.running)
+    session.stop()
+    log = TrackLog.load_npz(tmp_path / "a.npz")
+    assert log.verdicts[["event_index", "class_id"]].tolist() == [(100, 3), (200, -1)]
+    assert log.class_names == names
+    assert session.labels == ("", "?", "cup", "plate")
 
 
 class Late:

@@ -24,9 +24,10 @@ from ..options import sensor_from
 from ..parsing import USER_ERROR, say_error
 
 if TYPE_CHECKING:
+    from evcot.recognition.weights import Weights
     from evcot.recordings.files import Damage, RecordingFile
 
-__all__ = ["check_logs", "done_each", "log_of_run", "open_from", "run_extent", "say_resumed", "work_key"]
+__all__ = ["check_logs", "done_each", "log_of_run", "open_from", "run_extent", "say_resumed", "weights_from", "work_key"]
 
 _File = TypeVar("_File")
 _Result = TypeVar("_Result")
@@ -51,6 +52,19 @@ def done_each(options: argparse.Namespace, files: Sequence[_File], do: Callable[
             say_error(error, options)
             code = USER_ERROR
     return results, code
+
+
+def weights_from(options: argparse.Namespace) -> Weights | None:
+    """The weights of --classify, None without it.
+
+    Raises:
+        ConfigError: they cannot be read.
+    """
+    if options.classify is None:
+        return None
+    from evcot.recognition.weights import Weights  # with Numba
+
+    return Weights.load(as_file(options.classify))
 
 
 def open_from(options: argparse.Namespace, path: Path) -> RecordingFile:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
@@ -26,6 +26,7 @@ from evcot.hardware.modules import MODULES
 from evcot.trackers.engines import ENGINES, usable_engines
 from evcot.trackers.presets import run_config
 from evcot.trackers.settings import engine_settings
+from evcot.tracks.record import NO_NAMES
 from evcot.tracks.tracking import Tracker
 
 from ...live.dashboard import rows_of, show
@@ -37,10 +38,13 @@ from ...live.sources import CameraSource, FileSource, LiveSource, NetworkSource
 from ...live.tracker_thread import HARDWARE, Beside, hardware_beside, warm_up
 from ...tables import print_table
 from ..options import sensor_from, window_from
-from .files import open_from
+from .files import open_from, weights_from
 from .progress import Length
 from .settings import configured, filters_from, save_learned, say_seen, with_options
 from .spinner import Counting
+
+if TYPE_CHECKING:
+    from evcot.recognition.weights import Weights
 
 __all__ = ["run"]
 
@@ -58,13 +62,15 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     with ExitStack() as undo:
         source, blocks = _open(options, window)
         undo.callback(source.close)
-        log = LogKeeper(options.save_log, options.engine, force=options.force) if options.save_log else None
+        weights = weights_from(options)
+        names = weights.names if weights else NO_NAMES
+        log = LogKeeper(options.save_log, options.engine, names, force=options.force) if options.save_log else None
         if log is not None:
             undo.callback(log.drop)
         recorder = Recorder(options.save, source.sensor, force=options.force) if options.save else None
         if recorder is not None:
             undo.callback(recorder.drop)
-        runs = Runs(options, source, blocks, recorder, log)
+        runs = Runs(options, source, blocks, weights, recorder, log)
         hardware = " and the hardware" if options.with_hardware else ""
         waiting = f"preparing {options.engine}{hardware} (compiled the first time, up to a minute)"
         with Counting(waiting, enabled=not (options.quiet or options.json)):
@@ -202,6 +208,7 @@ class Runs:
 
     Args:
         blocks: the events ahead of time, where the source is a file; none of a stream.
+        weights: of a classifier behind the engine that they are for; None: without one.
         recorder, log: as of `Session`.
 
     Attributes:
@@ -213,12 +220,13 @@ class Runs:
         options: argparse.Namespace,
         source: LiveSource,
         blocks: Callable[[], Iterator[Events]],
+        weights: Weights | None,
         recorder: Recorder | None,
         log: LogKeeper | None,
     ) -> None:
         self.tracker: Tracker | None = None
         self._options, self._source = options, source
-        self._recorder, self._log = recorder, log
+        self._weights, self._recorder, self._log = weights, recorder, log
         self._given = configured(options, source.sensor)
         given_filters = filters_from(options, self._given[1], blocks(), source.sensor)
         self._given = self._given[0], given_filters
@@ -237,9 +245,8 @@ class Runs:
         """
         sensor = self._source.sensor
         settings, filters = self._settings(wish)
-        start = ENGINES[wish.engine].start
-        warm_up(start(settings, filters, sensor), sensor)
-        tracker = start(settings, filters, sensor)
+        warm_up(self._start(wish.engine, settings, filters), sensor)
+        tracker = self._start(wish.engine, settings, filters)
         beside = [self._beside()] if wish.hardware else []
 
         def begin() -> Run:
@@ -250,6 +257,15 @@ class Runs:
             return Run(session, self._hello(wish))
 
         return begin
+
+    def _start(self, engine: str, settings: Any, filters: FilterConfig) -> Tracker:
+        """A new tracker; engines that a page chooses have a classifier if the weights are for them."""
+        sensor = self._source.sensor
+        if self._weights is None or engine not in (self._weights.tracker, self._options.engine):
+            return ENGINES[engine].start(settings, filters, sensor)
+        from evcot.recognition.tracker import start_classifying  # with Numba
+
+        return start_classifying(engine, settings, filters, sensor, self._weights)
 
     def _settings(self, wish: Wish) -> tuple[Any, FilterConfig]:
         if (wish.engine, wish.preset) == (self._options.engine, self._options.preset):

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,15 +26,11 @@ from evcot.tracks.tally import Tally
 from evcot.tracks.tracking import Tracker
 from evcot.unfinished import unfinished
 
-from ...standard_streams import as_file
 from ...tables import print_table
 from ..options import clock_from, window_from
-from .files import open_from, say_resumed, work_key
+from .files import open_from, say_resumed, weights_from, work_key
 from .progress import Progress, counted_ahead
 from .settings import configured, filters_from, plain, save_learned, say_seen
-
-if TYPE_CHECKING:
-    from evcot.recognition.weights import Weights
 
 __all__ = ["run"]
 
@@ -60,7 +55,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         raise ConfigError(f"--checkpoint {options.checkpoint}: must not be negative")
     if options.output is not None:
         check_log_path(options.output)
-    weights = None if options.classify is None else _weights(options)
+    weights = weights_from(options)
     outputs = [path for path in (options.output, options.csv, options.boxes) if path is not None]
     with open_from(options, options.recording) as file, ExitStack() as held:
         settings, filters = configured(options, file.sensor)
@@ -123,12 +118,6 @@ def _text(name: str, value: float | None) -> str:
 
 def _say(options: argparse.Namespace, file: RecordingFile) -> Callable[[int], None] | None:
     return None if options.quiet else lambda events: say_resumed(file.name, events)
-
-
-def _weights(options: argparse.Namespace) -> Weights:
-    from evcot.recognition.weights import Weights  # with Numba
-
-    return Weights.load(as_file(options.classify))
 
 
 def _write(options: argparse.Namespace, log: LogSpool) -> None:

@@ -47,19 +47,20 @@ function showFigures(figures) {
 
 const ROWS_MAX = 50;
 
-/** Update the table of clusters, oldest first; rows are reused. */
-function showClusters(clusters) {
+/** Update the table of clusters, oldest first; rows are reused. `labels`: of the classes, fewer than three without a classifier. */
+function showClusters(clusters, labels) {
   const rows = document.getElementById("rows");
   const shown = [...clusters].sort((a, b) => a.lane - b.lane || b.age - a.age || a.id - b.id).slice(0, ROWS_MAX);
   while (rows.children.length > shown.length) rows.lastChild.remove();
   while (rows.children.length < shown.length) {
     const row = rows.insertRow();
-    for (let i = 0; i < 6; i++) row.insertCell().className = i ? "number" : "";
+    for (let i = 0; i < 7; i++) row.insertCell().className = i > 1 ? "number" : "";
   }
-  shown.forEach(({ id, lane, age, x, y, width, height, vx, vy }, i) => {
+  document.getElementById("tracked").classList.toggle("unclassified", labels.length < 3);
+  shown.forEach(({ id, lane, label, age, x, y, width, height, vx, vy }, i) => {
     const size = `${width.toFixed(0)}×${height.toFixed(0)}`;
     const speed = vx || vy ? Math.hypot(vx, vy).toFixed(0) : "–"; // not every tracker measures it
-    const texts = [String(id), `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), size, speed];
+    const texts = [String(id), labels[label] || "–", `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), size, speed];
     rows.children[i].cells[0].className = lane ? "hardware-name" : "";
     texts.forEach((text, cell) => { rows.children[i].children[cell].textContent = text; });
   });

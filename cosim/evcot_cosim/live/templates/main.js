@@ -8,7 +8,7 @@ const ENDED = "ended; a new run at this address is shown by itself";
 const rail = document.getElementById("rail");
 const canvas = document.getElementById("picture");
 const pauseButton = document.getElementById("pause");
-const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, kinds: [], socket: null, tries: 0, tabled: 0, ended: false };
+const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, kinds: [], labels: [], socket: null, tries: 0, tabled: 0, ended: false };
 
 function showState(state, text) {
   const place = document.getElementById("state");
@@ -35,7 +35,7 @@ function begin(hello) {
   showLanes(hello.lanes, hello.kinds);
   document.title = `${hello.name} · evcot live`;
   for (const [name, size] of [["--wide", hello.width], ["--high", hello.height]]) document.getElementById("app").style.setProperty(name, size);
-  Object.assign(live, { speed: hello.speed, kinds: hello.kinds, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
+  Object.assign(live, { speed: hello.speed, kinds: hello.kinds, labels: hello.labels, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
   const seen = live.stage?.sensor;
   if (!seen || seen.width !== hello.width || seen.height !== hello.height) {
     live.stage = new Stage(canvas, hello.width, hello.height);
@@ -75,7 +75,7 @@ function show() {
   for (const { number } of frames) if (live.socket?.readyState === WebSocket.OPEN) live.socket.send(drawnMessage(number));
   if (performance.now() - live.tabled > TABLE_MS) {
     live.tabled = performance.now();
-    showClusters(live.clusters);
+    showClusters(live.clusters, live.labels);
   }
 }
 
@@ -93,11 +93,11 @@ function draw() {
   const option = (name) => rail.elements[name].checked;
   const tags = [];
   const layers = live.kinds.map((kind, lane) => {
-    const boxes = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle }) => {
+    const boxes = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle, label }) => {
       const trail = option("trails") ? live.trails.of(lane, id) : null;
       const box = { x, y, angle, halfWidth: width / 2, halfHeight: height / 2, trail, strong: false };
       const there = lane > 0 && tags.some((tag) => tag.parts[0][0] === String(id) && Math.hypot(tag.box.x - x, tag.box.y - y) < 1);
-      if (option("numbers") && !there) tags.push({ box, parts: [[String(id)]], strong: false }); // one number where both agree
+      if (option("numbers") && !there) tags.push({ box, parts: [String(id), live.labels[label]].filter(Boolean).map((text) => [text]), strong: false }); // one number where both agree
       return box;
     });
     return { ...live.theme.sides[kind], boxes: option("boxes") ? boxes : [], marks: [] };

@@ -4,13 +4,13 @@
 const FRAME = 1;
 const DRAWN = 2;
 const HEAD_BYTES = 32;
-const CLUSTER_BYTES = 44;
+const CLUSTER_BYTES = 48;
 
 /** Decode a FRAME message to {number, t, hidden, clusters, events: {t, x, y, p, filtered}}, times in ms since the first event; null
  * for another kind or version. */
 function parseFrame(buffer) {
   const view = new DataView(buffer);
-  if (view.getUint8(0) !== FRAME || view.getUint8(1) !== 3) return null;
+  if (view.getUint8(0) !== FRAME || view.getUint8(1) !== 4) return null;
   const [count, number] = [view.getUint16(2, true), view.getUint32(4, true)];
   const [n, hidden] = [view.getUint32(8, true), view.getUint32(12, true)];
   const t = view.getFloat64(16, true) / 1e3;
@@ -20,7 +20,8 @@ function parseFrame(buffer) {
   for (let i = 0; i < count; i++, at += CLUSTER_BYTES) {
     const numbers = Array.from({ length: 9 }, (_, k) => view.getFloat32(at + 4 + 4 * k, true));
     const [x, y, width, height, angle, vx, vy, confidence, age] = numbers;
-    clusters.push({ id: view.getUint32(at, true), x, y, width, height, angle, vx, vy, confidence, age, lane: view.getUint32(at + 40, true) });
+    const [id, lane, label] = [at, at + 40, at + 44].map((place) => view.getUint32(place, true));
+    clusters.push({ id, x, y, width, height, angle, vx, vy, confidence, age, lane, label });
   }
   const words = () => {
     const column = new Uint16Array(buffer, at, n);
