@@ -10,6 +10,7 @@ from typing import Any
 from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.page import EVENTS_MAX, HEIGHT_PX, Page
+from evcot.recognition.weights import Weights
 from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import run_config
 
@@ -64,6 +65,7 @@ def cosim(
     hardware: str | None = None,
     slots: int | None = None,
     stall_seed: int | None = None,
+    classify: Path | str | None = None,
 ) -> Run:
     """Run hardware, golden model and software tracker over a recording, as `evcot cosim` does.
 
@@ -80,6 +82,7 @@ def cosim(
             for the sensor.
         slots: number of tracker slots; None: the preset's.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
+        classify: weights that `evcot train` wrote; the logs of hardware and model then have verdicts.
 
     Raises:
         MismatchError: hardware and model differ.
@@ -94,5 +97,6 @@ def cosim(
         config = run_config(recording.width, recording.height, preset, slots, hardware=hardware)
     elif preset is not None or hardware is not None or slots is not None:
         raise ConfigError("config: must not be given with preset, hardware or slots")
-    run = run_cosim(recording, config, stall_seed=stall_seed, source=origin)
+    weights = None if classify is None else Weights.load(classify)
+    run = run_cosim(recording, config, stall_seed=stall_seed, source=origin, weights=weights)
     return Run(**{field.name: getattr(run, field.name) for field in fields(run)})

@@ -7,7 +7,7 @@ import argparse
 
 from evcot.metrics import RULES
 
-from .options import checkpoint_option, damage_options, input_options, window_options
+from .options import checkpoint_option, classify_option, damage_options, input_options, window_options
 from .parsing import add_command, input_or_name, input_path, json_or_quiet, output_option
 
 __all__ = ["add_cosim", "add_report"]
@@ -18,6 +18,7 @@ evcot cosim                                    # the box experiment, nothing to 
 evcot cosim drive.aedat4                       # a camera file; settings are chosen from what the recording shows
 evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
 evcot cosim highway --activity 5               # filters, then hardware, model and software tracker, on a scene
+evcot cosim drive.aedat4 --classify digits.npz # the class of each track, with weights of `evcot train`
 evcot cosim drive.raw --print-config           # a file that repeats the run: save it as run.toml
 evcot cosim --config run.toml
 """
@@ -41,6 +42,7 @@ def add_cosim(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     input_options(cosim)
     window_options(cosim)
     output_option(cosim, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/cosim/NAME)")
+    classify_option(cosim)
     checkpoint_option(cosim)
     cosim.add_argument("--no-waves", action="store_true", help="write no waveform")
     cosim.add_argument("--print-config", action="store_true", help="print a run.toml that repeats the run, and run nothing")

@@ -6,7 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,15 @@ from evcot.filters.run import filtered
 from evcot.hardware.config import CotConfig, HardwareConfig, MotionConfig
 from evcot.hardware.contract import RECORD
 from evcot.hardware.golden import golden_model, to_track_records
+from evcot.recognition.tracker import TrackClassifier
+from evcot.recognition.weights import Weights
 from evcot.recordings.formats.source import Sensor
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.compare import Agreement, compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.record import NO_NAMES, no_verdicts
 from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 
 from ..devices.base import HardwareError, Stalls, check_silence
@@ -121,6 +124,7 @@ def run_cosim(
     *,
     stall_seed: int | None = None,
     source: Source | None = None,
+    weights: Weights | None = None,
     building: Callable[[], None] | None = None,
     progress: Callable[[int, int, float], None] | None = None,
 ) -> CosimRun:
@@ -131,6 +135,8 @@ def run_cosim(
         config: both trackers' configurations.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
         source: where the recording was read from.
+        weights: of a classifier in software behind the hardware's owned events; its verdicts are in the logs of hardware and
+            model. None: without one.
         building: called before a build that takes seconds.
         progress: called after each run of events with (events done, time of the last event in us, events/s).
 
@@ -151,22 +157,29 @@ def run_cosim(
     t0_us = int(events.t_us[0])
     sensor = recording.width, recording.height
     hardware, model = _LogParts(device_config, t0_us), _LogParts(device_config, t0_us)
+    classifier = None if weights is None else TrackClassifier(device_config, weights)
     with ThreadPoolExecutor(1, "build") as builds:
         built = builds.submit(build_device, device_config, on_miss=building)
         compile_kernels(events[:1], sensor, config)
         build = built.result()
+    verdicts = [no_verdicts()]
     with Lockstep(device_config, stalls=stalls, seed=stall_seed, model=build) as lockstep:
         for chunk in chunks(events):
             first = lockstep.events
             step = lockstep.feed(chunk)
             assert step.model is not None
-            hardware.add(step.hardware.records, step.hardware.owner, chunk.t_us, first)
+            records = hardware.add(step.hardware.records, step.hardware.owner, chunk.t_us, first)
             model.add(step.model.records, step.model.owner, chunk.t_us, first)
+            if classifier is not None:
+                verdicts.append(classifier.feed(chunk, first, step.hardware, step.visible, records))
             if progress is not None:
                 progress(lockstep.events, int(chunk.t_us[-1]) - t0_us, lockstep.events / lockstep.wall_s)
         cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
 
-    hardware_log = hardware.log()
+    names = NO_NAMES if weights is None else weights.names
+    hardware_log, model_log = (
+        replace(parts.log(), verdicts=np.concatenate(verdicts), class_names=names) for parts in (hardware, model)
+    )
     started = time.perf_counter()
     software = log_of(config.software, software_of(sensor, config), [events])
     software_s = time.perf_counter() - started
@@ -176,7 +189,7 @@ def run_cosim(
         recording=recording,
         config=config,
         hardware=hardware_log,
-        model=model.log(),
+        model=model_log,
         software=software,
         agreement=agreement,
         cycles=cycles,
@@ -255,9 +268,11 @@ class _LogParts:
         self._records: list[NDArray[np.void]] = []
         self._owners: list[NDArray[np.int16]] = []
 
-    def add(self, raw: NDArray[np.void], owner: NDArray[np.int16], t_us: NDArray[np.int64], first_seq: int) -> None:
+    def add(self, raw: NDArray[np.void], owner: NDArray[np.int16], t_us: NDArray[np.int64], first_seq: int) -> NDArray[np.void]:
+        """Returns the records in the units of a log."""
         self._records.append(to_track_records(raw, self._config, t_us, first_seq, self._t0_us))
         self._owners.append(owner)
+        return self._records[-1]
 
     def log(self) -> TrackLog:
         return TrackLog(self._config.module, np.concatenate([np.empty(0, TRACK), *self._records]), np.concatenate(self._owners))

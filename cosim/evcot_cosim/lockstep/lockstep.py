@@ -39,10 +39,12 @@ class Step:
 
     Attributes:
         hardware, model: each with `records`, `owner`, `rel_x` and `rel_y`; `model` is None if the hardware ran alone.
+        visible: (n,) bool, whether the owner of each event is visible, of cot_motion's model; all False without it.
     """
 
     hardware: Decisions
     model: Decisions | None
+    visible: NDArray[np.bool_]
 
 
 def chunks(events: Events, size: int = CHUNK) -> Iterator[Events]:
@@ -118,7 +120,7 @@ class Lockstep:
         ticked = self._clock.count(events)
         if self._golden is None or self._second is None:
             hardware, times = self.device.stream_timed(ticked)
-            step = Step(hardware, None)
+            step = Step(hardware, None, np.zeros(len(events), np.bool_))
         else:
             expected = self._second.submit(self._golden.feed, ticked)
             try:
@@ -128,7 +130,7 @@ class Lockstep:
                 raise MismatchError(
                     self._mismatch(self.events + index, int(ticked.ticks[index]), "stream", str(error), "in order")
                 ) from error
-            step = Step(hardware, expected.result())
+            step = Step(hardware, expected.result(), self._golden.visible)
             self._compare(hardware, expected.result(), ticked.ticks)
         self._count_clocks(hardware.records, times, ticked.ticks)
         self.wall_s += time.perf_counter() - started

@@ -22,9 +22,11 @@ from evcot.digest import EventsDigest
 from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.hardware.golden import to_track_records
-from evcot.hardware.model import Decisions
+from evcot.recognition.tracker import TrackClassifier
+from evcot.recognition.weights import Weights
 from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig
+from evcot.tracks.record import NO_NAMES, no_verdicts
 from evcot.tracks.spool import LogSpool
 from evcot.tracks.spooling import rest_of
 from evcot.tracks.tally import Tally
@@ -33,7 +35,7 @@ from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished
 from ..devices.device import build_device
 from ..memory import keep_little
 from .cosim import Measured, check_addresses_of, compile_kernels, software_of, stalls_from
-from .lockstep import CHUNK, Lockstep, cut
+from .lockstep import CHUNK, Lockstep, Step, cut
 from .run_file import Source
 
 __all__ = ["LongRun", "run_long"]
@@ -73,6 +75,7 @@ def run_long(
     *,
     stall_seed: int | None = None,
     every: int = CHECKPOINT_EVENTS,
+    weights: Weights | None = None,
     building: Callable[[], None] | None = None,
     progress: Callable[[int, int, float], None] | None = None,
     resumed: Callable[[int], None] | None = None,
@@ -83,7 +86,7 @@ def run_long(
         work: where the logs grow; it continues from its state.
         every: events from one checkpoint to the next, rounded up to whole chunks, and one after the last event; 0 makes none.
         resumed: called with the number of events that an earlier process has driven.
-        stall_seed, building, progress: as of `cosim.run_cosim`.
+        stall_seed, weights, building, progress: as of `cosim.run_cosim`.
 
     Raises:
         MismatchError: hardware and model differ.
@@ -101,16 +104,20 @@ def run_long(
         for log in logs:
             work.held.callback(log.close)
         software = state.get("tracker") or software_of(sensor, config)
+        classifier = state.get("classifier") or (None if weights is None else TrackClassifier(device_config, weights))
+        verdicts: list[NDArray[np.void]] = state.get("verdicts", [no_verdicts()])
         software_s, end_us = state.get("software_s", 0.0), state.get("end_us", 0)
         made_of, at = EventsDigest(), tallies[0].events
         begin_us: int | None = state.get("begin_us")
 
-        def follow(chunk: Events, decided: Decisions, first: int) -> None:
+        def follow(chunk: Events, step: Step, first: int) -> None:
             nonlocal software_s
             assert begin_us is not None
             made_of.add(chunk)
-            records = to_track_records(decided.records, device_config, chunk.t_us, first, begin_us)
-            _keep(logs[0], tallies[0], records, decided.owner)
+            records = to_track_records(step.hardware.records, device_config, chunk.t_us, first, begin_us)
+            _keep(logs[0], tallies[0], records, step.hardware.owner)
+            if classifier is not None:
+                verdicts.append(classifier.feed(chunk, first, step.hardware, step.visible, records))
             started = time.perf_counter()
             _keep(logs[1], tallies[1], *software.feed(chunk))
             software_s += time.perf_counter() - started
@@ -123,7 +130,7 @@ def run_long(
                 {
                     "tallies": tallies, "hardware": logs[0].lengths, "software": logs[1].lengths, "tracker": software,
                     "software_s": software_s, "begin_us": begin_us, "end_us": end_us, "digest": made_of.hex(),
-                    "lockstep": lockstep.state(),
+                    "lockstep": lockstep.state(), "classifier": classifier, "verdicts": verdicts,
                 }
             )  # fmt: skip
 
@@ -144,7 +151,7 @@ def run_long(
                     step = lockstep.feed(chunk)
                 except RecordingError as error:
                     raise RecordingError(f"{name}: {error}") from error
-                beside.do(follow, chunk, step.hardware, first)
+                beside.do(follow, chunk, step, first)
                 if progress is not None:
                     progress(lockstep.events, end_us - begin_us, lockstep.events / lockstep.wall_s)
                 if every and lockstep.events - at >= every and not lockstep.events % CHUNK:
@@ -157,6 +164,7 @@ def run_long(
             cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
     for log, engine in zip(logs, (device_config.module, config.software), strict=True):
         log.engine, log.recording = engine, made_of.hex()
+    logs[0].verdicts, logs[0].class_names = np.concatenate(verdicts), NO_NAMES if weights is None else weights.names
     assert begin_us is not None
     return LongRun(
         name=name,

@@ -95,7 +95,7 @@ def write_long_logs(
 
 def _long(log: LogFile | NpzFile) -> LongLog:
     runs = log.blocks() if isinstance(log, LogFile) else in_step(log.record_runs(), log.owner_runs())
-    return LongLog(log.engine, runs)
+    return LongLog(log.engine, runs, log.verdicts, log.class_names)
 
 
 _NUMBERED = re.compile(r"part-[0-9]{5,}\.html|(hardware|software)\.[0-9]+\.parquet")
@@ -147,7 +147,7 @@ def write_long_run(
             for log_written in logs:
                 log_written.result()
             give_back()
-        sides = {name: LongLog(log.engine, runs_of(log)) for name, log in both.items()}
+        sides = {name: LongLog(log.engine, runs_of(log), log.verdicts, log.class_names) for name, log in both.items()}
         about = {"config": run.config.to_dict()}
         with source.opened() as file:
             recording = LongRecording(run.name, run.sensor, source.blocks(file), run.events, run.begin_us, run.end_us)

@@ -9,7 +9,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import copy_context
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from evcot.templating import templates
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.log_parts import LogParts
+from evcot.tracks.record import ClassNames, no_verdicts
 from evcot.tracks.timeline import alive
 
 from ..lockstep.lockstep import cut
@@ -47,10 +48,12 @@ _LARGE_BYTES = 1 << 17
 
 @dataclass(frozen=True)
 class LongLog:
-    """A log that comes in runs, as of `tracks.log_parts.runs_of`, and the engine that made it."""
+    """A log that comes in runs, as of `tracks.log_parts.runs_of`, the engine that made it, and its classes as of `TrackLog`."""
 
     engine: str
     runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]
+    verdicts: NDArray[np.void] = field(default_factory=no_verdicts)
+    class_names: ClassNames = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,7 @@ def write_parts(
     """
     keep_little(_LARGE_BYTES)
     compiled_aside(_compile_kernels, recording.sensor)
-    in_parts = {name: LogParts(log.engine, log.runs) for name, log in logs.items()}
+    in_parts = {name: LogParts(log.engine, log.runs, log.verdicts, log.class_names) for name, log in logs.items()}
     quality = {name: QualityCounter(recording.begin_us, recording.end_us) for name in logs}
     times = comparison or Comparison(recording.begin_us, recording.end_us)
     alone_in = isolation(recording.sensor)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .column import Column, in_runs
 from .log import TRACK, Kind, TrackLog
+from .record import NO_NAMES, ClassNames, no_verdicts
 from .spool import LogColumns
 from .timeline import OPEN, SAMPLE, by_life, expiring, lifetimes, sample
 
@@ -24,6 +25,7 @@ __all__ = ["LogParts", "Window", "in_step", "life_lengths", "runs_of", "sampled"
 
 
 _OWNERS, _RECORDS = 1 << 16, 1 << 14  # of a run
+_NO_VERDICTS = no_verdicts()
 _BEFORE = -(1 << 62)  # `event_index` of what was before the part
 
 
@@ -63,10 +65,14 @@ class LogParts:
     Args:
         engine: as of `TrackLog`.
         runs: of `runs_of` or of `parquet.LogFile.blocks`.
+        verdicts, class_names: as of `TrackLog`; every part has them all.
     """
 
-    def __init__(self, engine: str, runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]) -> None:
-        self._engine = engine
+    def __init__(
+        self, engine: str, runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]],
+        verdicts: NDArray[np.void] = _NO_VERDICTS, class_names: ClassNames = NO_NAMES,
+    ) -> None:  # fmt: skip
+        self._engine, self._verdicts, self._class_names = engine, verdicts, class_names
         self._runs = runs
         self._records = np.empty(0, TRACK)
         self._owner = np.empty(0, np.int16)
@@ -102,7 +108,8 @@ class LogParts:
             end,
         )  # no views
         del owners
-        shown = TrackLog(self._engine, np.concatenate((self._newest(own), own)), taken)
+        drawn = np.concatenate((self._newest(own), own))
+        shown = TrackLog(self._engine, drawn, taken, verdicts=self._verdicts, class_names=self._class_names)
         np.clip(shown.records["event_index"], 0, n, out=shown.records["event_index"])
         self._past = _past(whole)
         return whole, shown

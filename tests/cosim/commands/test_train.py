@@ -93,6 +93,33 @@ def test_a_live_run_has_the_same_verdicts(trained: Path, tmp_path: Path) -> None
     assert found.class_names == {0: "square", 1: "cross"}
 
 
+def test_the_verdicts_of_a_run_are_behind_the_owned_events_of_the_hardware(
+    trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A short run, and the same as a long one in pages: both say what the tracker with its classifier says."""
+    monkeypatch.chdir(tmp_path)
+    recording, classify = str(trained / "e.aedat4"), ["--classify", str(trained / "w.npz"), "-q", "--no-waves"]
+    wanted = evcot.track(recording, classify=trained / "w.npz")
+    assert main(["cosim", recording, *classify, "-o", "short"]) == 0
+    monkeypatch.setattr("evcot_cosim.commands.actions.cosim.EVENTS_MAX", 1_000)
+    monkeypatch.setattr("evcot_cosim.report.part_pages.PART_EVENTS", 30_000)
+    assert main(["cosim", recording, *classify, "-o", "long"]) == 0
+    for path in (Path("short/hardware.npz"), Path("short/model.npz"), next(Path("long").glob("hardware.*"))):
+        found = evcot.TrackLog.load(path)
+        assert np.array_equal(found.verdicts, wanted.verdicts), path
+        assert found.class_names == {0: "square", 1: "cross"}
+    assert not len(evcot.TrackLog.load("short/software.npz").verdicts)
+    for page in (Path("short/report.html"), Path("long/part-00002.html")):
+        assert '"labels":["square"]' in page.read_text(), page
+
+
+def test_a_run_of_another_module_is_refused(trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--classify", str(trained / "w.npz"), "--hardware", "cot_array", "-o", str(tmp_path / "run")]
+    assert main(["cosim", str(trained / "e.aedat4"), *arguments, "-q"]) == 2
+    assert "engine cot_array: must be cot_motion, the tracker of the weights" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
 def test_a_live_run_of_another_engine_is_refused(trained: Path, capsys: pytest.CaptureFixture[str]) -> None:
     classify = ["--classify", str(trained / "w.npz"), "--engine", "rct"]
     assert main(["live", str(trained / "e.aedat4"), *classify, "-q"]) == 2

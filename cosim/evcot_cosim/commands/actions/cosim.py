@@ -14,6 +14,7 @@ from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.outputs import check_folder
+from evcot.recognition.weights import Weights
 from evcot.unfinished import unfinished
 
 from ...lockstep.cosim import run_cosim
@@ -29,7 +30,7 @@ from ...rtl.files import design_fingerprint
 from ...tables import print_table
 from ..options import window_from
 from ..parsing import MISMATCH
-from .files import say_resumed, work_key
+from .files import say_resumed, weights_from, work_key
 from .job import Job, job_from
 from .progress import Progress, counted_ahead
 from .settings import save_learned
@@ -54,15 +55,16 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     if options.print_config:
         print(run_toml(job.run_file), end="")
         return 0
+    weights = weights_from(options)
     folder = folder_of(job.name)
     command = shlex.join(["evcot", *arguments])
     if job.more:
-        return _report(options, job, folder, _run_long(options, job, folder, command), _LONG)
+        return _report(options, job, folder, _run_long(options, job, weights, folder, command), _LONG)
     with Progress(job.recording.name, len(job.recording.events), enabled=not (options.quiet or options.json)) as progress:
         try:
             run = run_cosim(
                 job.recording, job.config,
-                stall_seed=job.seed, source=job.source,
+                stall_seed=job.seed, source=job.source, weights=weights,
                 building=progress.building, progress=progress.update,
             )  # fmt: skip
         except MismatchError as error:
@@ -78,12 +80,13 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
 _LONG = "a page for each part, logs"
 
 
-def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str) -> dict[str, Any]:
+def _run_long(options: argparse.Namespace, job: Job, weights: Weights | None, folder: Path, command: str) -> dict[str, Any]:
     """The same of a recording that is not held in memory; returns the summary."""
     check_folder(folder, "cosim", long_names(folder), "-o")
 
     def key() -> str:
-        return work_key(job.source.path, "cosim", job.source, job.config, job.seed, design_fingerprint())
+        classes = weights and weights.checksum
+        return work_key(job.source.path, "cosim", job.source, job.config, job.seed, design_fingerprint(), classes)
 
     quiet = options.quiet or options.json
     with (
@@ -93,7 +96,8 @@ def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str)
     ):
         run = run_long(
             job.source, job.config, work,
-            stall_seed=job.seed, every=options.checkpoint, building=progress.building, progress=progress.update,
+            stall_seed=job.seed, every=options.checkpoint, weights=weights,
+            building=progress.building, progress=progress.update,
             resumed=None if options.quiet else lambda events: say_resumed(job.recording.name, events),
         )  # fmt: skip
         progress.note("writing logs, report and waveform")
