@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A film of classified tracks, docs/images/recognition.gif: simulated outlines of four shapes, and what the classifier calls them.
+"""A film of classified tracks, docs/images/recognition.gif: outlines of four shapes, and what the classifier calls them.
 
     python benchmarks/recognition_film.py            # writes the film, and prints how many tracks have the right class
     python benchmarks/recognition_film.py --keep DIR # keeps recordings, labels, weights and logs there, for other commands
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,18 @@ SIDE_PX = 34.0
 EVENTS_PER_S = 40_000  # of a shape
 NOISE_PER_S = 4_000  # over the sensor
 INSTANT_US = 10_000  # between two labels
+
+
+class Way(NamedTuple):
+    """A Lissajous figure around a point, in pixels; `speed` in rad/s."""
+
+    middle: NDArray[np.float64]
+    speed: NDArray[np.float64]
+    phase: NDArray[np.float64]
+
+    def at(self, t_us: NDArray[np.float64] | NDArray[np.int64]) -> NDArray[np.float64]:
+        """Positions at n times, (n, 2)."""
+        return np.asarray(self.middle + (32, 20) * np.sin(t_us[:, None] / 1e6 * self.speed + self.phase), np.float64)
 
 
 def outline(class_id: int, count: int, random: np.random.Generator) -> NDArray[np.float64]:
@@ -52,21 +65,21 @@ def scene(seed: int, seconds: float) -> tuple[Recording, Boxes]:
     """Four shapes, each in its own quarter, on Lissajous figures; their labelled boxes."""
     random = np.random.default_rng(seed)
     count = int(EVENTS_PER_S * seconds)
-    parts = [np.column_stack((random.uniform(0, 1e6 * seconds, int(NOISE_PER_S * seconds)), random.uniform(0, 1, (int(NOISE_PER_S * seconds), 2)) * SENSOR))]
+    noise = int(NOISE_PER_S * seconds)
+    parts = [np.column_stack((random.uniform(0, 1e6 * seconds, noise), random.uniform(0, 1, (noise, 2)) * SENSOR))]
     instants_us = np.arange(0, int(1e6 * seconds), INSTANT_US)
     rows = []
     for quarter, class_id in enumerate(random.permutation(list(NAMES)).tolist()):
         middle = np.array([(quarter % 2 + 0.5) * SENSOR[0], (quarter // 2 + 0.5) * SENSOR[1]]) / 2
-        speed, phase, side = random.uniform(1.5, 3, 2), random.uniform(0, 2 * np.pi, 2), SIDE_PX * random.uniform(0.85, 1.15)
-
-        def place(t_us: NDArray[np.float64], middle=middle, speed=speed, phase=phase) -> NDArray[np.float64]:  # type: ignore[no-untyped-def]
-            return middle + (32, 20) * np.sin(t_us[:, None] / 1e6 * speed + phase)
+        way = Way(middle, random.uniform(1.5, 3, 2), random.uniform(0, 2 * np.pi, 2))
+        side = SIDE_PX * random.uniform(0.85, 1.15)
 
         t_us = np.sort(random.uniform(0, 1e6 * seconds, count))
-        parts.append(np.column_stack((t_us, place(t_us) + side * outline(class_id, count, random) + random.normal(0, 0.4, (count, 2)))))
+        places = way.at(t_us) + side * outline(class_id, count, random) + random.normal(0, 0.4, (count, 2))
+        parts.append(np.column_stack((t_us, places)))
         own = np.zeros(len(instants_us), BOX)
         own["instant"], own["id"], own["class_id"] = np.arange(len(instants_us)), quarter, class_id
-        own["left"], own["top"] = (place(instants_us) - side / 2).T
+        own["left"], own["top"] = (way.at(instants_us) - side / 2).T
         own["width"] = own["height"] = side
         own["confidence"] = own["visibility"] = 1.0
         own["counted"] = True
@@ -88,7 +101,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        seeds = {seed: 6.0 for seed in (1, 2, 3)} | {9: 2.5}
+        seeds = dict.fromkeys((1, 2, 3), 6.0) | {9: 2.5}
         for seed, seconds in seeds.items():
             recording, boxes = scene(seed, seconds)
             evcot.write(recording, folder / f"{seed}.aedat4", force=True)
@@ -100,7 +113,22 @@ def main() -> None:
             ["train", *learned, "--labels", *labels, "--window-log2", "9", "-o", weights, *force],
             ["track", new, "--classify", weights, "-o", log, *force],
             ["evaluate", log, "--truth", str(folder / "9.json")],
-            ["render", new, log, "-o", str(options.output), "--to", "1500", "--fps", "10", "--speed", "0.5", "--width", "480", *force],
+            [
+                "render",
+                new,
+                log,
+                "-o",
+                str(options.output),
+                "--to",
+                "1500",
+                "--fps",
+                "10",
+                "--speed",
+                "0.5",
+                "--width",
+                "480",
+                *force,
+            ],
         ):
             assert run_command(command) == 0, command
 
