@@ -41,8 +41,8 @@ def started(hello: dict[str, object] = HELLO) -> Player:
 
 
 @pytest.fixture
-def server() -> Iterator[Server]:
-    player = started()
+def server(request: pytest.FixtureRequest) -> Iterator[Server]:
+    player = started({**HELLO, **getattr(request, "param", {})})
     with Server(player, port=0) as server:
         yield server
     player.stop()
@@ -177,6 +177,7 @@ def test_a_pause_holds_the_picture_and_not_the_figures(open_page: Any) -> None:
     assert page.text("#pause") == "Pause"
 
 
+@pytest.mark.parametrize("server", [{"seekable": True}], indirect=True)
 @pytest.mark.parametrize("width", [390, 800, 1280])
 def test_no_width_makes_it_scroll_sideways_and_every_control_has_a_name(open_page: Any, width: int) -> None:
     page = open_page(viewport={"width": width, "height": 844}, is_mobile=width < 500, has_touch=width < 500)
