@@ -31,8 +31,8 @@ only = ["order", "ends", "stable"]
 [[faults]]
 task = "one"
 meaning = "a beat is written over one that has not been read"
-right = "put      = s_cm_valid && !full"
-wrong = "put      = s_cm_valid"
+right = "put      = offered && !full"
+wrong = "put      = offered"
 breaks = ["order", "all"]
 within = 20
 

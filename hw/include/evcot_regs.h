@@ -69,6 +69,8 @@
 #define EVCOT_BUILD_TICKS_MASK 0x0000C000u /* ro: what a tick may be, besides 1 us of the events' time: 1 `tick_us`, 2 `prescale`, 3 both */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
 #define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 cot_array, 1 cot_chain, 2 cot_motion: the parameter TRACKER */
+#define EVCOT_BUILD_CLASSIFIER_SHIFT 20u
+#define EVCOT_BUILD_CLASSIFIER_MASK 0x00F00000u /* ro: version of the classifier (docs/recognition.md); 0: none, the parameter CLASSIFY */
 #define EVCOT_BUILD_CELL_PX_SHIFT 24u
 #define EVCOT_BUILD_CELL_PX_MASK 0x07000000u /* ro: side of a cell of the filters' memory in pixels; 0: a time stamp per pixel and filter */
 
@@ -207,6 +209,24 @@
 #define EVCOT_PACKET_WAIT_SHIFT 16u
 #define EVCOT_PACKET_WAIT_MASK 0xFFFF0000u /* rw: if not 0, a packet also ends 256 clocks times this value after its first record; the last beat of a record then waits for the next record or that time */
 
+/* the word of the classifier's weights that `weight_data` reads and writes */
+#define EVCOT_WEIGHT_ADDRESS 0x064u
+
+/* a word of the classifier's weights */
+#define EVCOT_WEIGHT_DATA 0x068u
+
+/* words of the classifier's weights */
+#define EVCOT_WEIGHTS 0x06Cu
+#define EVCOT_WEIGHTS_LOADED_SHIFT 0u
+#define EVCOT_WEIGHTS_LOADED_MASK 0x00000FFFu /* ro: words written since reset, counted in order from word 0 */
+#define EVCOT_WEIGHTS_NEEDED_SHIFT 16u
+#define EVCOT_WEIGHTS_NEEDED_MASK 0x0FFF0000u /* ro: words that there are; with fewer of them loaded, a commit of `enable` = 1 is refused */
+
+/* verdicts of the classifier */
+#define EVCOT_VERDICTS 0x070u
+#define EVCOT_VERDICTS_LOST_SHIFT 0u
+#define EVCOT_VERDICTS_LOST_MASK 0x00000001u /* w1c: a verdict was lost, since as many as there are slots waited for `m_axis_records` */
+
 /* events received from the source: = events_dropped + events + those in the input FIFO */
 #define EVCOT_EVENTS_IN 0x080u
 
@@ -333,6 +353,18 @@
 #define EVCOT_TRACKS_REPORT_STEPS 0x034Cu /* steps after which a slot without a correction is reported */
 #define EVCOT_TRACKS_COMMIT 0x037Cu
 
+/* Registers of the classifier, likewise; they exist only with CLASSIFY = 1 (EVCOT_BUILD_CLASSIFIER), and a commit of enable = 1 is
+   refused before all weights are loaded. */
+#define EVCOT_CLASSIFIER_VERSION 1u
+#define EVCOT_CLASSIFIER_ENABLE 0x0384u /* 1: events count; 0: they do not, and weights can be written */
+#define EVCOT_CLASSIFIER_WINDOW_LOG2 0x0388u /* a window has 2^window_log2 counted events */
+#define EVCOT_CLASSIFIER_SCALE_START 0x038Cu /* scale of both axes in a track's first window, in 2^-12 cells per half pixel */
+#define EVCOT_CLASSIFIER_SHIFT_1 0x0390u /* a hidden unit is 2^-shift_1 of its weighted sum */
+#define EVCOT_CLASSIFIER_SHIFT_2 0x0394u /* the loss of a class is 2^-shift_2 of its distance from the best */
+#define EVCOT_CLASSIFIER_CLASSES 0x0398u /* number of classes */
+#define EVCOT_CLASSIFIER_MARGIN_MIN 0x039Cu /* a mean margin per window below this gives class 15, none of these */
+#define EVCOT_CLASSIFIER_COMMIT 0x03FCu
+
 /* Sources. */
 #define EVCOT_SOURCE_EVENTS 0u
 #define EVCOT_SOURCE_LFSR 1u
@@ -351,8 +383,9 @@
 #define EVCOT_KIND_MOVED 1u
 #define EVCOT_KIND_MERGED 2u
 #define EVCOT_KIND_LOST 3u
+#define EVCOT_KIND_VERDICT 4u
 
-/* A record on the stream, little-endian. */
+/* A record on the stream of records, little-endian. */
 struct evcot_record {
     uint64_t seq;
     uint64_t time;
@@ -370,7 +403,7 @@ struct evcot_record {
 };
 #define EVCOT_RECORD_BYTES 48u
 
-/* A record on the stream of cot_motion, little-endian. */
+/* A record of cot_motion on the stream of records, little-endian. */
 struct evcot_motion_record {
     uint64_t seq;
     uint64_t time;
@@ -389,6 +422,24 @@ struct evcot_motion_record {
     uint32_t pad;
 };
 #define EVCOT_MOTION_RECORD_BYTES 56u
+
+/* A verdict of the classifier on the stream of records, little-endian. */
+struct evcot_verdict_record {
+    uint64_t seq;
+    uint64_t pad;
+    uint32_t track_id;
+    uint16_t margin;
+    uint8_t windows;
+    uint8_t class_index;
+    uint64_t pad2;
+    uint64_t pad3;
+    uint64_t pad4;
+    uint16_t pad5;
+    uint8_t slot;
+    uint8_t kind;
+    uint32_t pad6;
+};
+#define EVCOT_VERDICT_RECORD_BYTES 56u
 
 /* an input event: 64 bits */
 #define EVCOT_EVENT_T(word) ((uint32_t)((uint64_t)(word) >> 0 & 0xFFFFFFFFu))

@@ -59,6 +59,15 @@ BUILDS = {
         {"HAS": 1 << Filter.REFRACTORY, "DATA_W": 128, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
         "cot_motion",
     ),
+    "classifier": Build(
+        replace(SHAPE, radix_w=6),
+        FilterShape(128, 64, stamp_w=12),
+        {"CLASSIFY": 1, "DATA_W": 128, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
+        "cot_motion",
+    ),
+    "classifier of one slot": Build(
+        Shape(n_slots=1, x_w=7, y_w=6), FilterShape(128, 64), {"CLASSIFY": 1, "FIFO_DEPTH": 16, "RECORD_DEPTH": 8}, "cot_motion"
+    ),
 }
 
 

@@ -94,6 +94,8 @@ def build_device(
         if not motion or name in _MOTION_PARAMETERS
     }
     module: str = config.module
+    if motion:
+        parameters["OWNERS"] = 1
     if module == "cot":
         del parameters["N"]
     elif config.filtered:
@@ -121,6 +123,9 @@ class Device:
         stalls: patterns for the streaming drive.
         model: a model that `build_device` returned for the same config, to avoid the look-up.
         waves: see `build_device`; without a `model`.
+
+    Attributes:
+        visible: as of the golden model: whether a visible slot of cot_motion owns each event that was streamed last.
 
     Raises:
         ConfigError, ToolchainError.
@@ -159,6 +164,7 @@ class Device:
         self.now = 0
         self.seq = 0
         self.cycle = 0
+        self.visible = np.zeros(0, np.bool_)
         self._clock = TickCounter(self.config.tick_us)
         if isinstance(self.config, MotionConfig):
             self._write_motion(self.config.registers)
@@ -291,6 +297,7 @@ class Device:
         keep = None if keep is None else ticked.mask(keep)
         owner = np.full(n, UNDECIDED, np.int16)
         rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # stay 0 for events dropped by a filter
+        self.visible = np.zeros(n, np.bool_)
         patterns = self.stalls
         motion = isinstance(self.config, MotionConfig)
         drive, record = (MOTION_DRIVE, MOTION_RECORD) if motion else (DRIVE, RECORD)
@@ -301,7 +308,8 @@ class Device:
             cm_pattern=pointer(patterns.cm), cm_length=len(patterns.cm),
             own_pattern=pointer(patterns.own), own_length=len(patterns.own),
             pass_pattern=pointer(patterns.passed), pass_length=len(patterns.passed),
-            owner=pointer(owner), rel_x=pointer(rel_x), rel_y=pointer(rel_y), accept_cycle=pointer(accepted),
+            owner=pointer(owner), rel_x=pointer(rel_x), rel_y=pointer(rel_y),
+            visible=pointer(self.visible.view(np.uint8)), accept_cycle=pointer(accepted),
             now=self.now, began=self.now, cycle=self.cycle, step_clocks=self._step_clocks(ticked.ticks),
             vcd=self._vcd, vcd_from=self._vcd_window[0], vcd_to=self._vcd_window[1],
         )  # fmt: skip

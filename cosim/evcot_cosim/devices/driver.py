@@ -71,6 +71,7 @@ _JOB = {
     "owner": "int16_t*",
     "rel_x": "uint16_t*",
     "rel_y": "uint16_t*",
+    "visible": "uint8_t*",  # of cot_motion: the owner is visible
     "records": "Record*",
     "record_capacity": "int64_t",
     "n_records": "int64_t",

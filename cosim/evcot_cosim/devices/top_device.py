@@ -22,6 +22,9 @@ from evcot.hardware.model import Decisions
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RECORD
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
+from evcot.recognition.contract import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD
+from evcot.recognition.model import Network
+from evcot.recognition.weight_memory import memory_words
 from evcot.tracks.log import DROPPED
 
 from ..rtl.build import PORTS_ONLY_FLAGS, RANDOM_INITIAL_FLAGS, build
@@ -38,6 +41,8 @@ __all__ = [
     "TopRun",
     "address_of",
     "bank_address",
+    "classifier_weights",
+    "classifier_writes",
     "configuration",
     "filter_address",
     "parameters_of",
@@ -168,6 +173,22 @@ def configuration(config: CotConfig | MotionConfig) -> list[Command]:
     return found
 
 
+def classifier_weights(network: Network, after: int = 0) -> list[Command]:
+    """The accesses that turn the classifier off and write all of its weights."""
+    off = [*classifier_writes({"enable": 0}, after), poll_status("pending", 0)]
+    words = [write(address_of("weight_data"), word) for word in memory_words(network).tolist()]
+    return [*off, write(address_of("weight_address"), 0), *words]
+
+
+def classifier_writes(values: Mapping[str, int], after: int = 0) -> list[Command]:
+    """The accesses that write registers of the classifier and commit them."""
+    unknown = sorted(values.keys() - CLASSIFIER_REGISTERS)
+    if unknown:
+        raise ConfigError(f"classifier.{unknown[0]}: must be one of {', '.join(CLASSIFIER_REGISTERS)}")
+    writes = [write(bank_address("classifier", name), int(value), after) for name, value in values.items()]
+    return [*writes, write(bank_address("classifier"), 1, after)]
+
+
 _GOES = ("in", "records", "owned", "passed", "bus")
 _DRIVE = Drive(
     "evcot_top_run",
@@ -234,6 +255,7 @@ class TopRun(NamedTuple):
         commands: (c,) COMMAND, with result and response.
         accepted: clock at which each input word was accepted.
         recorded: clock of each record's first beat.
+        verdicts: (v,) VERDICT_RECORD, those of the classifier, which are not among `records`.
         irq_clock: clock at which the interrupt was first high, or -1.
         seq_bits: how many low bits of an event's number its word holds.
     """
@@ -247,6 +269,7 @@ class TopRun(NamedTuple):
     recorded: NDArray[np.int64]
     irq_clock: int
     seq_bits: int
+    verdicts: NDArray[np.void]
 
     def decisions(self, first: int, n: int, chain: bool = False) -> Decisions:
         """Decisions on events `first` to `first + n - 1`, which must be those of this run, in the model's format.
@@ -376,10 +399,13 @@ class TopDevice:
         self.clock, self._random = job.clock, job.random
         if status != _Status.DONE:
             raise HardwareError(f"evcot_top {status.fault} (clock {job.fault}, word {job.next})", job.next)
+        records, recorded = records[: job.n_records], recorded[: job.n_records]
+        of_tracks = records["kind"] != VERDICT_KIND
+        verdicts = records[~of_tracks].view(VERDICT_RECORD) if not of_tracks.all() else np.zeros(0, VERDICT_RECORD)
         return TopRun(
-            records[: job.n_records], owned[: job.n_owned], passed[: job.n_passed], user[: job.n_owned],
-            table[: len(commands)], accepted[: len(words)], recorded[: job.n_records], job.irq_clock,
-            min(_SEQ_BITS, self.config.shape.seq_w),
+            records[of_tracks], owned[: job.n_owned], passed[: job.n_passed], user[: job.n_owned],
+            table[: len(commands)], accepted[: len(words)], recorded[of_tracks], job.irq_clock,
+            min(_SEQ_BITS, self.config.shape.seq_w), verdicts,
         )  # fmt: skip
 
     def _access(self, command: Command) -> int:

@@ -173,8 +173,9 @@ class Lockstep:
 
     def _compare(self, hardware: Decisions, model: Decisions, ticks: NDArray[np.int64]) -> None:
         found: list[tuple[int, str, int | str | None, int | str | None]] = []
-        for field in ("owner", "rel_x", "rel_y"):
-            theirs, ours = getattr(hardware, field), getattr(model, field)
+        assert self._golden is not None
+        columns = {field: (getattr(hardware, field), getattr(model, field)) for field in ("owner", "rel_x", "rel_y")}
+        for field, (theirs, ours) in {**columns, "visible": (self.device.visible, self._golden.visible)}.items():
             if not np.array_equal(theirs, ours):
                 i = int(np.flatnonzero(theirs != ours)[0])
                 found.append((self.events + i, field, int(theirs[i]), int(ours[i])))

@@ -21,8 +21,8 @@ class Mismatch:
     Attributes:
         event_index: the event at which they differ.
         tick: ticks since reset at that event.
-        field: what differs: "owner", "rel_x", "rel_y", "record.<field>", "records" (one side has more) or "stream" (the
-            hardware lost, repeated, reordered or changed an event).
+        field: what differs: "owner", "rel_x", "rel_y", "visible", "record.<field>", "records" (one side has more) or "stream"
+            (the hardware lost, repeated, reordered or changed an event).
         hardware, model: both values.
         seed: seed of the stall patterns, or None.
         config: the run's hardware configuration.

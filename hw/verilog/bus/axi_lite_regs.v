@@ -7,7 +7,8 @@
 // before busy is de-asserted; between two of them an access that waits is served.
 //
 // With motion there are two more banks, for the whole array, and of a slot's registers `mode` alone. The registers that must not
-// contradict each other are compared when their bank is to be committed, and the commit is refused if they do.
+// contradict each other are compared when their bank is to be committed, and the commit is refused if they do. With CLASSIFY there is one
+// more bank, for the classifier; a commit that enables it is refused until its weights are loaded.
 //
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write, 17 of a commit of motion, which compares
 //             registers. A bank that is being copied adds EVCOT_BANK_LAST + 4 at most: 36, 38 and 46. An access that arrives together
@@ -47,6 +48,7 @@ module axi_lite_regs #(
     parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
     parameter CELL_PX      = 0,    // side of a cell of the filters' memory in pixels
     parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
+    parameter CLASSIFY     = 0,    // the classifier is built
     parameter SLOT_W       = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire                clk,
@@ -107,6 +109,18 @@ module axi_lite_regs #(
     output reg                 filter_cfg_valid,
     output wire [`EVCOT_FREG_W-1:0] filter_cfg_addr,
     output wire [31:0]         filter_cfg_data,
+    output reg                 classifier_cfg_valid,  // with cfg_addr and cfg_data
+
+    // weights of the classifier
+    output wire                weight_address_write,
+    output wire [11:0]         weight_address_new,
+    input  wire [11:0]         weight_address,
+    output wire                weight_data_write,
+    output wire [17:0]         weight_data_new,
+    input  wire [17:0]         weight_data,    // at weight_address
+    input  wire                weight_ready,   // for a write
+    input  wire [11:0]         weights_loaded,
+    input  wire                verdict_lost,   // this clock
 
     // what is to be read
     input  wire                idle,
@@ -127,20 +141,23 @@ module axi_lite_regs #(
 
     parameter_check #(.OK(N >= `EVCOT_N_SLOTS_MIN && N <= `EVCOT_N_SLOTS_MAX)) N_must_be_1_to_64 ();
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 65535)) FIFO_DEPTH_must_be_1_to_65535 ();
+    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && TRACKER == `EVCOT_TRACKER_MOTION))) CLASSIFY_must_be_0_or_with_TRACKER_2_1 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam WORD_W = `EVCOT_CSR_ADDR_W - 2;
     localparam REG_W  = `EVCOT_REG_W;              // bits of a word's number in its bank
     localparam FIND_W = $clog2(`EVCOT_N_SLOTS_MAX);  // bits of a slot's number in an address
     localparam MOTION = (TRACKER == `EVCOT_TRACKER_MOTION) ? 1 : 0;
-    localparam BANKS  = N + 1 + 2 * MOTION;        // a bank for each slot, one for the filters, two for motion
+    localparam BANKS  = N + 1 + 2 * MOTION + CLASSIFY;  // a bank for each slot, one for the filters, two for motion, one for the classifier
     localparam BANK_W = $clog2(BANKS);
     localparam [31:0]       N_32    = N;
     localparam [31:0]       BOXES_32 = N + 1;
     localparam [31:0]       LIVES_32 = N + 2;
+    localparam [31:0]       CLASSES_32 = N + 3;
     localparam [BANK_W-1:0] FILTERS = N_32[BANK_W-1:0];
     localparam [BANK_W-1:0] BOXES   = BOXES_32[BANK_W-1:0];  // the bank `motion`
     localparam [BANK_W-1:0] LIVES   = LIVES_32[BANK_W-1:0];  // the bank `tracks`
+    localparam [BANK_W-1:0] CLASSES = CLASSES_32[BANK_W-1:0];  // the bank `classifier`
     localparam [FIND_W:0]   SLOTS   = N_32[FIND_W:0];
     localparam [31:0] LAST_X   = WIDTH - 1;
     localparam [31:0] LAST_Y   = HEIGHT - 1;
@@ -213,6 +230,7 @@ module axi_lite_regs #(
     localparam [WORD_W+1:0] FILTER_BASE   = `EVCOT_BANK_FILTER;
     localparam [WORD_W+1:0] MOTION_BASE   = `EVCOT_BANK_MOTION;
     localparam [WORD_W+1:0] TRACKS_BASE   = `EVCOT_BANK_TRACKS;
+    localparam [WORD_W+1:0] CLASSES_BASE  = `EVCOT_BANK_CLASSIFIER;
 
     wire [FIND_W:0] in_slots = {1'b0, word[REG_W+:FIND_W]};
 
@@ -228,23 +246,24 @@ module axi_lite_regs #(
     wire of_slot = (MOTION != 0) ? (place == `EVCOT_REG_MODE || place == `EVCOT_BANK_COMMIT) : slot_has(place);
 
     // From the clock after the access begins.
-    reg in_slot, in_filter, in_motion, in_tracks, at_commit, at_mask;
+    reg in_slot, in_filter, in_motion, in_tracks, in_classes, at_commit, at_mask;
 
     always @(posedge clk) begin
         in_slot   <= word[WORD_W-1:REG_W+FIND_W] == SLOT_BASE[WORD_W+1:REG_W+FIND_W+2] && in_slots < SLOTS && of_slot;
         in_motion <= MOTION != 0 && is_motion && motion_has(motion_place);
         in_tracks <= is_tracks;
+        in_classes <= CLASSIFY != 0 && word[WORD_W-1:REG_W] == CLASSES_BASE[WORD_W+1:REG_W+2] && classifier_has(place);
         in_filter <= word[WORD_W-1:REG_W] == FILTER_BASE[WORD_W+1:REG_W+2] && HAS != 0 && filter_has(place);
         at_commit <= place == `EVCOT_BANK_COMMIT;
         at_mask   <= place == `EVCOT_FREG_MASK;
     end
 
-    wire in_bank  = in_slot || in_filter || in_motion;
+    wire in_bank  = in_slot || in_filter || in_motion || in_classes;
     wire commits  = in_bank && at_commit;
     wire marks    = in_filter && at_mask;
     wire shadowed = in_bank && !commits && !marks;
 
-    wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : in_tracks ? LIVES : BOXES;
+    wire [BANK_W-1:0] bank = in_classes ? CLASSES : in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : in_tracks ? LIVES : BOXES;
     reg  [BANKS-1:0] pending; // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
     wire [BANKS-1:0] chosen;  // the bank of an access, or the one that is copied
@@ -290,11 +309,18 @@ module axi_lite_regs #(
     wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
     wire fault_pending  = acts && locked;
     wire off_limits     = shadowed && (over || under);
+    reg  enables;  // the shadow of `enable` of the classifier
+    wire unloaded       = commits && in_classes && enables && weights_loaded != `EVCOT_WEIGHT_WORDS;
     wire fault_refused  = acts && !locked
-                       && (words_refused || off_sensor || fixed || (commits && contradicts) || (off_limits && refuses));
+                       && (words_refused || off_sensor || fixed || (commits && contradicts) || unloaded || (off_limits && refuses));
     wire fault_clamped  = acts && !locked && (words_clamped || (off_limits && !refuses)) && !fault_refused;
     wire faulty         = fault_unmapped || fault_pending || fault_refused || fault_clamped;
     wire stores         = acts && shadowed && !locked && !fault_refused;
+
+    always @(posedge clk) begin
+        if (stores && in_classes && place == `EVCOT_CREG_ENABLE) enables <= legal[0];
+        if (rst) enables <= 1'b0;
+    end
 
     // ---- the shadow --------------------------------------------------------------------------------------------------
 
@@ -321,7 +347,7 @@ module axi_lite_regs #(
     reg  [31:0]              less;
 
     // With motion, `mode` and the commit are all words of a slot: the shadow has those of all slots, and behind them the other banks.
-    localparam BEHIND_W = REG_W + 2;  // of a word behind the slots, in three banks
+    localparam BEHIND_W = REG_W + 2;  // of a word behind the slots, in three banks or four
     localparam SHADOW_W = (MOTION != 0) ? BEHIND_W + 1 : BANK_W + REG_W;
 
     wire [BANK_W-1:0] to_bank   = fills ? written[REG_W +: BANK_W] : stamps ? copied : bank;
@@ -371,6 +397,8 @@ module axi_lite_regs #(
 
     // ---- limits and first values, in a ROM with the timing of the shadow ---------------------------------------------
 
+    // With motion, a slot has no other word than `mode` and its commit. The words between are those of the classifier, whose first values a slot's
+    // `mode` has for a while in FILL, until the last word of its bank.
     localparam [1:0] SLOT_KIND = 2'd3;
     localparam ENTRY_W = 2 + LOW_W + 32;
 
@@ -386,6 +414,10 @@ module axi_lite_regs #(
                 SLOT_KIND: begin
                     entry = {slot_has(register), slot_refuses(register), low_bits(slot_low(register)), slot_high(register)};
                     if (is_first) entry[31:0] = slot_low((MOTION != 0) ? `EVCOT_REG_MODE : register);
+                    if (CLASSIFY != 0 && register != `EVCOT_REG_MODE && register != `EVCOT_BANK_COMMIT) begin
+                        entry = {classifier_has(register), classifier_refuses(register), low_bits(classifier_low(register)), classifier_high(register)};
+                        if (is_first) entry[31:0] = classifier_start(register);
+                    end
                 end
                 default: begin
                     entry = {motion_has(of_motion), motion_refuses(of_motion), low_bits(motion_low(of_motion)), motion_high(of_motion)};
@@ -406,7 +438,7 @@ module axi_lite_regs #(
     initial for (at = 0; at < 8 << REG_W; at = at + 1) entries[at] = entry(at[REG_W+2], at[REG_W +: 2], at[REG_W-1:0]);
 
     wire [BANK_W-1:0] entry_bank = fills ? fill[REG_W +: BANK_W] : from_bank;
-    wire [BANK_W:0]   behind     = {1'b0, entry_bank} - {1'b0, FILTERS};  // filters 0, motion 1 and 2
+    wire [BANK_W:0]   behind     = {1'b0, entry_bank} - {1'b0, FILTERS};  // filters 0, motion 1 and 2, classifier 3
     wire [1:0]        entry_kind = (entry_bank < FILTERS) ? SLOT_KIND : {MOTION != 0 && behind[1], MOTION != 0 && behind[0]};
 
     always @(posedge clk) begin
@@ -429,11 +461,12 @@ module axi_lite_regs #(
     wire copies_filters = copied == FILTERS;
     wire copies_lives   = MOTION != 0 && copied == LIVES;
     wire copies_motion  = copies_lives || (MOTION != 0 && copied == BOXES);
-    wire copies_slot    = !copies_filters && !copies_motion;
+    wire copies_classes = CLASSIFY != 0 && copied == CLASSES;
+    wire copies_slot    = !copies_filters && !copies_motion && !copies_classes;
     wire [`EVCOT_MREG_W-1:0] copied_to = {copies_lives, later_word};
     reg  ends;   // mode has come out, the last word of a bank
     wire copied_all = state == COPY && ends;
-    wire sets_pending = acts && commits && !locked && !contradicts;
+    wire sets_pending = acts && commits && !locked && !contradicts && !unloaded;
     wire sets_mode    = stores && in_slot && place == `EVCOT_REG_MODE;
     reg  was_busy, committed;  // of banks that are copied one after the other, the last one
 
@@ -451,6 +484,7 @@ module axi_lite_regs #(
     always @(posedge clk) begin
         cfg_valid        <= 1'b0;
         filter_cfg_valid <= 1'b0;
+        classifier_cfg_valid <= 1'b0;
         pending          <= (pending | (chosen & {BANKS{sets_pending}})) & ~(chosen & {BANKS{copied_all}});
         mode_new         <= (mode_new | (chosen[N-1:0] & {N{sets_mode}})) & ~(chosen[N-1:0] & {N{copied_all}});
 
@@ -520,6 +554,7 @@ module axi_lite_regs #(
                                       : copies_slot && (MOTION == 0 || later_word == `EVCOT_REG_MODE) && exists
                                         && (later_word != `EVCOT_REG_MODE || |(mode_new & chosen[N-1:0]));
                     filter_cfg_valid <= copies_filters && exists && later_word != `EVCOT_FREG_MASK;
+                    classifier_cfg_valid <= copies_classes && exists && later_word != `EVCOT_REG_MODE;
                 end
                 if (copied_all) begin
                     commit_seq <= seq;
@@ -541,6 +576,7 @@ module axi_lite_regs #(
             commit_count     <= 32'd0;
             cfg_valid        <= 1'b0;
             filter_cfg_valid <= 1'b0;
+            classifier_cfg_valid <= 1'b0;
             if (state == COPY) state <= IDLE;
         end
         if (rst) begin
@@ -555,6 +591,8 @@ module axi_lite_regs #(
 
     wire       latch;
     wire [3:0] fault_clear;
+    wire       lost_clear;
+    reg        lost;  // a verdict
     wire [`EVCOT_IRQ_W-1:0] irq_clear, irq_enable;
     reg  [`EVCOT_IRQ_W-1:0] irq_status;
     reg  [3:0]  fault, faults;  // faults: of the clock before, so that what an access is refused for has a clock of its own
@@ -564,6 +602,7 @@ module axi_lite_regs #(
     always @(posedge clk) begin
         irq_status <= (irq_status & ~irq_clear) | {committed, happened};
         irq        <= |(irq_status & irq_enable);
+        lost       <= (lost && !lost_clear) || verdict_lost;
         faults     <= {fault_unmapped, fault_pending, fault_refused, fault_clamped};
         fault      <= (fault & ~fault_clear) | faults;
         if (faults != 4'd0) fault_address <= {word, 2'b00};
@@ -582,6 +621,7 @@ module axi_lite_regs #(
         if (core_rst) begin
             irq_status <= {`EVCOT_IRQ_W{1'b0}};
             irq        <= 1'b0;
+            lost       <= 1'b0;
         end
         if (rst) begin
             {fault, faults} <= 8'd0;
@@ -602,7 +642,8 @@ module axi_lite_regs #(
         .Y_W    (Y_W),
         .SOURCE (SOURCE),
         .SOURCES(SOURCES),
-        .TICKS  (TICKS)
+        .TICKS  (TICKS),
+        .CLASSIFY(CLASSIFY)
     ) u_words (
         .clk                 (clk),
         .rst                 (rst),
@@ -634,6 +675,7 @@ module axi_lite_regs #(
         .build_sources       (SOURCES_32[5:0]),
         .build_ticks         (TICKS_32[1:0]),
         .build_tracker       (TRACKER_32[1:0]),
+        .build_classifier    ((CLASSIFY != 0) ? `EVCOT_CLASSIFIER_VERSION : 4'd0),
         .build_cell_px       (CELL_PX_32[2:0]),
         .sensor_last_x       (LAST_X[15:0]),
         .sensor_last_y       (LAST_Y[15:0]),
@@ -656,6 +698,18 @@ module axi_lite_regs #(
         .prescale_us         (prescale_us),
         .packet_records      (packet_records),
         .packet_wait         (packet_wait),
+        .weight_address      (weight_address),
+        .weight_address_ready(1'b1),
+        .weight_address_write(weight_address_write),
+        .weight_address_new  (weight_address_new),
+        .weight_data         (weight_data),
+        .weight_data_ready   (weight_ready),
+        .weight_data_write   (weight_data_write),
+        .weight_data_new     (weight_data_new),
+        .weights_loaded      (weights_loaded),
+        .weights_needed      (`EVCOT_WEIGHT_WORDS),
+        .verdicts_lost       (lost),
+        .verdicts_lost_clear (lost_clear),
         .lfsr_seed           (lfsr_seed),
         .lfsr_gap            (lfsr_gap),
         .lfsr_x_min          (lfsr_x_min),
@@ -698,7 +752,7 @@ module axi_lite_regs #(
         .backward            (backward)
     );
 
-    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, BOXES, LIVES, compared, came, in_slots, behind};
+    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, CLASSES_BASE, BOXES, LIVES, CLASSES, compared, came, in_slots, behind};
 
 endmodule
 

@@ -5,7 +5,8 @@
 // Two clocks after `word` (an address without its two low bits) `known`, `writable`, `value` and `keeps` are valid. With `keeps`, a
 // write of single bytes must preserve the others of the value, else they are 0. A clock after `data`, `refused` is valid, and
 // `clamped`, which is high if a field was out of range. `write` may be asserted from then on, with word and data unchanged: data takes
-// effect at the next clock, unless refused. A pulse lasts one clock.
+// effect at the next clock, unless refused. A pulse lasts one clock. A value that other hardware holds leaves as <name>_new with <name>_write, unless
+// <name>_ready is low: then the write is refused.
 //
 // Latency:    2 clocks from word to value, 1 from data to refused and clamped, 1 from write to its field.
 // Throughput: an access at a time.
@@ -19,7 +20,8 @@ module axi_lite_words #(
     parameter Y_W     = 9,   // bits of a y address
     parameter SOURCE  = 0,   // the source after reset
     parameter SOURCES = 1,   // a bit for each source that was built
-    parameter TICKS   = 3    // what a tick may be: see event_sources.v
+    parameter TICKS   = 3,   // what a tick may be: see event_sources.v
+    parameter CLASSIFY = 0   // the classifier is built
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -64,6 +66,7 @@ module axi_lite_words #(
     input  wire [5:0]  build_sources,
     input  wire [1:0]  build_ticks,
     input  wire [1:0]  build_tracker,
+    input  wire [3:0]  build_classifier,
     input  wire [2:0]  build_cell_px,
 
     // 018: size of the sensor
@@ -155,6 +158,26 @@ module axi_lite_words #(
     output reg  [15:0] packet_records,
     output reg  [15:0] packet_wait,
 
+    // 064: the word of the classifier's weights that `weight_data` reads and writes
+    input  wire [11:0] weight_address,
+    input  wire        weight_address_ready,
+    output reg         weight_address_write,
+    output reg  [11:0] weight_address_new,
+
+    // 068: a word of the classifier's weights
+    input  wire [17:0] weight_data,
+    input  wire        weight_data_ready,
+    output reg         weight_data_write,
+    output reg  [17:0] weight_data_new,
+
+    // 06c: words of the classifier's weights
+    input  wire [11:0] weights_loaded,
+    input  wire [11:0] weights_needed,
+
+    // 070: verdicts of the classifier
+    input  wire        verdicts_lost,
+    output reg         verdicts_lost_clear,
+
     // 080: events received from the source: = events_dropped + events + those in the input FIFO
     input  wire [31:0] events_in,
 
@@ -209,6 +232,10 @@ module axi_lite_words #(
     reg at_commit_seq_high;
     reg at_commits;
     reg at_packet;
+    reg at_weight_address;
+    reg at_weight_data;
+    reg at_weights;
+    reg at_verdicts;
     reg at_events_in;
     reg at_events_dropped;
     reg at_malformed;
@@ -238,6 +265,10 @@ module axi_lite_words #(
         at_commit_seq_high <= word == 12'h016;
         at_commits <= word == 12'h017;
         at_packet <= word == 12'h018;
+        at_weight_address <= (CLASSIFY != 0) && word == 12'h019;
+        at_weight_data <= (CLASSIFY != 0) && word == 12'h01a;
+        at_weights <= (CLASSIFY != 0) && word == 12'h01b;
+        at_verdicts <= (CLASSIFY != 0) && word == 12'h01c;
         at_events_in <= word == 12'h020;
         at_events_dropped <= word == 12'h021;
         at_malformed <= word == 12'h022;
@@ -293,6 +324,16 @@ module axi_lite_words #(
     reg over_lfsr_y_span;
     wire [15:0] new_packet_records = data[15:0];
     reg under_packet_records;
+    wire [11:0] new_weight_address = data[11:0];
+    localparam [11:0] TOP_WEIGHT_ADDRESS = 12'd2735;
+    wire        more_weight_address = data > {20'd0, TOP_WEIGHT_ADDRESS};
+    reg bad_weight_address;
+    reg over_weight_address;
+    wire [17:0] new_weight_data = data[17:0];
+    wire        wide_weight_data = |data[31:18];
+    localparam [17:0] TOP_WEIGHT_DATA = 18'd262143;
+    reg bad_weight_data;
+    reg over_weight_data;
 
     always @(posedge clk) begin
         bad_source_select <= at_source && !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
@@ -308,9 +349,13 @@ module axi_lite_words #(
         over_lfsr_y_min <= at_lfsr_y && more_lfsr_y_min;
         over_lfsr_y_span <= at_lfsr_y && more_lfsr_y_span;
         under_packet_records <= at_packet && new_packet_records == 16'd0;
+        bad_weight_address <= at_weight_address && !weight_address_ready;
+        over_weight_address <= at_weight_address && more_weight_address;
+        bad_weight_data <= at_weight_data && !weight_data_ready;
+        over_weight_data <= at_weight_data && wide_weight_data;
     end
 
-    assign refused = bad_source_select || bad_source_clock_time;
+    assign refused = bad_source_select || bad_source_clock_time || bad_weight_address || bad_weight_data;
     assign clamped = over_tick_us ||
                      under_tick_us ||
                      under_prescale_tick ||
@@ -321,7 +366,9 @@ module axi_lite_words #(
                      over_lfsr_x_span ||
                      over_lfsr_y_min ||
                      over_lfsr_y_span ||
-                     under_packet_records;
+                     under_packet_records ||
+                     over_weight_address ||
+                     over_weight_data;
 
     // ---- read data ---------------------------------------------------------------------------------------------------
 
@@ -363,6 +410,7 @@ module axi_lite_words #(
                 table_reg[13:8] <= build_sources;
                 table_reg[15:14] <= build_ticks;
                 table_reg[17:16] <= build_tracker;
+                if (CLASSIFY != 0) table_reg[23:20] <= build_classifier;
                 table_reg[26:24] <= build_cell_px;
             end
             3'd6: begin
@@ -418,6 +466,11 @@ module axi_lite_words #(
         held[31:0] = held[31:0] | ({32{at_commits}} & commits);
         held[15:0] = held[15:0] | ({16{at_packet}} & packet_records);
         held[31:16] = held[31:16] | ({16{at_packet}} & packet_wait);
+        held[11:0] = held[11:0] | ({12{at_weight_address}} & weight_address);
+        held[17:0] = held[17:0] | ({18{at_weight_data}} & weight_data);
+        held[11:0] = held[11:0] | ({12{at_weights}} & weights_loaded);
+        held[27:16] = held[27:16] | ({12{at_weights}} & weights_needed);
+        held[0:0] = held[0:0] | ({1{at_verdicts}} & verdicts_lost);
         held[31:0] = held[31:0] | ({32{at_events_in}} & events_in);
         held[31:0] = held[31:0] | ({32{at_events_dropped}} & events_dropped);
         held[31:0] = held[31:0] | ({32{at_malformed}} & malformed);
@@ -432,7 +485,7 @@ module axi_lite_words #(
 
     always @(posedge clk) begin
         value    <= held;
-        keeps    <= !(at_fault || at_irq_clear);
+        keeps    <= !(at_fault || at_irq_clear || at_verdicts);
         known    <= at_table ||
                     at_control ||
                     at_source ||
@@ -451,6 +504,10 @@ module axi_lite_words #(
                     at_commit_seq_high ||
                     at_commits ||
                     at_packet ||
+                    at_weight_address ||
+                    at_weight_data ||
+                    at_weights ||
+                    at_verdicts ||
                     at_events_in ||
                     at_events_dropped ||
                     at_malformed ||
@@ -472,7 +529,10 @@ module axi_lite_words #(
                     at_fault ||
                     at_irq_enable ||
                     at_irq_clear ||
-                    at_packet;
+                    at_packet ||
+                    at_weight_address ||
+                    at_weight_data ||
+                    at_verdicts;
     end
 
     // ---- writes ------------------------------------------------------------------------------------------------------
@@ -485,6 +545,9 @@ module axi_lite_words #(
         fault_pending_clear <= 1'd0;
         fault_unmapped_clear <= 1'd0;
         irq_clear <= 5'd0;
+        weight_address_write <= 1'b0;
+        weight_data_write <= 1'b0;
+        verdicts_lost_clear <= 1'd0;
         if (write && !refused) begin
             if (at_control) begin
                 control_enable <= data[0:0];
@@ -538,6 +601,17 @@ module axi_lite_words #(
                 packet_records <= under_packet_records ? 16'd1 : new_packet_records;
                 packet_wait <= data[31:16];
             end
+            if (at_weight_address) begin
+                weight_address_write <= 1'b1;
+                weight_address_new <= over_weight_address ? TOP_WEIGHT_ADDRESS : new_weight_address;
+            end
+            if (at_weight_data) begin
+                weight_data_write <= 1'b1;
+                weight_data_new <= over_weight_data ? TOP_WEIGHT_DATA : new_weight_data;
+            end
+            if (at_verdicts) begin
+                verdicts_lost_clear <= data[0:0];
+            end
         end
         if (rst) begin
             control_enable <= 1'd0;
@@ -568,6 +642,7 @@ module axi_lite_words #(
             irq_clear <= 5'd0;
             packet_records <= 16'd1;
             packet_wait <= 16'd0;
+            verdicts_lost_clear <= 1'd0;
         end
     end
 

@@ -6,6 +6,9 @@
 // padded with zeros, signed ones with their sign. What a record does not have is not read. Records enter the queue, which is for
 // block RAM, beat by beat while they wait at s_cm_.
 //
+// With CLASSIFY, verdicts of the classifier are records of their own kind, EVCOT_VERDICT_RECORD_*. A verdict that waits comes before a record
+// that waits, but not into one.
+//
 // Packets: tlast ends every `packet_records`-th record. If `packet_wait` is not 0, tlast also ends the first record that leaves when
 // packet_wait x 256 clocks have passed since the packet's first record. For this, the last beat of a record waits until the next
 // record, or that time, has come.
@@ -23,6 +26,7 @@ module axis_records_out #(
     parameter DATA_W  = 64,  // bits of a beat: 32, 64, 128 or 256
     parameter DEPTH   = 16,  // records that may wait, at least 1
     parameter MOTION  = 0,   // records of cot_motion
+    parameter CLASSIFY = 0,  // verdicts, too
     parameter SLOT_W  = 3,   // bits of a slot number
     parameter ID_W    = 32,  // bits of a track id
     parameter X_W     = 13,  // bits of a centre's x, fraction and all
@@ -59,6 +63,16 @@ module axis_records_out #(
     input  wire [SEQ_W-1:0]    s_cm_seq,
     input  wire [TIME_W-1:0]   s_cm_time,
 
+    // verdicts
+    input  wire                s_verdict_valid,
+    output wire                s_verdict_ready,
+    input  wire [SLOT_W-1:0]   s_verdict_slot,
+    input  wire [ID_W-1:0]     s_verdict_id,
+    input  wire [SEQ_W-1:0]    s_verdict_seq,
+    input  wire [3:0]          s_verdict_class,
+    input  wire [14:0]         s_verdict_margin,
+    input  wire [7:0]          s_verdict_windows,
+
     output wire                m_axis_tvalid,
     input  wire                m_axis_tready,
     output wire [DATA_W-1:0]   m_axis_tdata,
@@ -70,6 +84,7 @@ module axis_records_out #(
 
     parameter_check #(.OK(DATA_W == 32 || DATA_W == 64 || DATA_W == 128 || DATA_W == 256)) DATA_W_must_be_32_64_128_or_256 ();
     parameter_check #(.OK(DEPTH >= 1)) DEPTH_must_be_at_least_1 ();
+    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && MOTION != 0))) CLASSIFY_must_be_0_or_with_MOTION_1 ();
 
     localparam RECORD_W = (MOTION != 0) ? `EVCOT_MOTION_RECORD_W : `EVCOT_RECORD_W;
     localparam BEATS  = (RECORD_W + DATA_W - 1) / DATA_W;
@@ -124,6 +139,31 @@ module axis_records_out #(
         end
     endgenerate
 
+    wire [BEATS*DATA_W-1:0] verdict;
+
+    generate
+        if (CLASSIFY != 0) begin : g_verdict
+            reg [BEATS*DATA_W-1:0] fields;
+
+            always @* begin
+                fields = {(BEATS * DATA_W) {1'b0}};
+                fields[`EVCOT_VERDICT_RECORD_SEQ_LSB +: SEQ_W]     = s_verdict_seq;
+                fields[`EVCOT_VERDICT_RECORD_TRACK_ID_LSB +: ID_W] = s_verdict_id;
+                fields[`EVCOT_VERDICT_RECORD_MARGIN_LSB +: 15]     = s_verdict_margin;
+                fields[`EVCOT_VERDICT_RECORD_WINDOWS_LSB +: 8]     = s_verdict_windows;
+                fields[`EVCOT_VERDICT_RECORD_CLASS_INDEX_LSB +: 4]       = s_verdict_class;
+                fields[`EVCOT_VERDICT_RECORD_SLOT_LSB +: SLOT_W]   = s_verdict_slot;
+                fields[`EVCOT_VERDICT_RECORD_KIND_LSB +: 3]        = `EVCOT_VERDICT_KIND;
+            end
+
+            assign verdict = fields;
+        end else begin : g_no_verdict
+            assign verdict = {(BEATS * DATA_W) {1'b0}};
+
+            wire unused_verdict = &{1'b0, s_verdict_slot, s_verdict_id, s_verdict_seq, s_verdict_class, s_verdict_margin, s_verdict_windows};
+        end
+    endgenerate
+
     // ---- into the memory, beat by beat -------------------------------------------------------------------------------
 
     localparam RECORD_NO_W = (DEPTH > 1) ? $clog2(DEPTH) : 1;
@@ -136,7 +176,10 @@ module axis_records_out #(
     wire                   full     = level == FULL[LEVEL_W-1:0];
     wire                   last_in  = beat_in == LAST[BEAT_W-1:0];
     wire                   last_out = beat_out == LAST[BEAT_W-1:0];
-    wire                   put      = s_cm_valid && !full;
+    reg                    in_verdict;  // the record whose first beat has been written is a verdict
+    wire                   takes_verdict = CLASSIFY != 0 && (beat_in == {BEAT_W{1'b0}} ? s_verdict_valid : in_verdict);
+    wire                   offered  = takes_verdict || s_cm_valid;
+    wire                   put      = offered && !full;
     wire                   came     = put && last_in;
     wire                   get, left;
 
@@ -144,12 +187,14 @@ module axis_records_out #(
     reg [RECORD_NO_W+BEAT_W-1:0] write_to;
     reg [DATA_W-1:0]             write_data;
 
-    assign s_cm_ready = last_in && !full;
+    assign s_cm_ready      = last_in && !full && !takes_verdict;
+    assign s_verdict_ready = last_in && !full && takes_verdict;
 
     always @(posedge clk) begin
         write      <= put;
         write_to   <= {to, beat_in};
-        write_data <= bytes[beat_in*DATA_W +: DATA_W];
+        write_data <= takes_verdict ? verdict[beat_in*DATA_W +: DATA_W] : bytes[beat_in*DATA_W +: DATA_W];
+        in_verdict <= takes_verdict;
         if (put) beat_in <= last_in ? {BEAT_W{1'b0}} : beat_in + 1'b1;
         if (came) to <= (to == LAST_RECORD[RECORD_NO_W-1:0]) ? {RECORD_NO_W{1'b0}} : to + 1'b1;
         if (get) beat_out <= last_out ? {BEAT_W{1'b0}} : beat_out + 1'b1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legal values of the registers of a slot, of the filters and of motion, for a module with the parameters that give their widths.
+// Legal values of the registers of a slot, of the filters, of motion and of the classifier, for a module with the parameters that give their widths.
 // Generated from sw/evcot/hardware/contract.py and registers.toml by `python -m evcot.hardware.generate`: edit there.
 
-localparam LOW_W = 1;  // bits of every lowest legal value
+localparam LOW_W = (CLASSIFY != 0) ? 5 : 1;  // bits of every lowest legal value
 
 // Words that exist: the registers, and the word that commits. (Not as a case: Yosys
 // would make a ROM of it that is read with the address, before its register.)
@@ -263,6 +263,46 @@ function motion_refuses(input [`EVCOT_MREG_W-1:0] word);
     motion_refuses = word == `EVCOT_MREG_KEEP_OLDER;
 endfunction
 
+// Words that exist: the registers, and the word that commits. (Not as a case: Yosys
+// would make a ROM of it that is read with the address, before its register.)
+function classifier_has(input [`EVCOT_CREG_W-1:0] word);
+    classifier_has = word == `EVCOT_BANK_COMMIT
+        || word == `EVCOT_CREG_ENABLE
+        || word == `EVCOT_CREG_WINDOW_LOG2
+        || word == `EVCOT_CREG_SCALE_START
+        || word == `EVCOT_CREG_SHIFT_1
+        || word == `EVCOT_CREG_SHIFT_2
+        || word == `EVCOT_CREG_CLASSES
+        || word == `EVCOT_CREG_MARGIN_MIN;
+endfunction
+
+function [31:0] classifier_low(input [`EVCOT_CREG_W-1:0] word);
+    case (word)
+        `EVCOT_CREG_WINDOW_LOG2: classifier_low = 32'd8;
+        `EVCOT_CREG_SCALE_START: classifier_low = 32'd16;
+        `EVCOT_CREG_CLASSES: classifier_low = 32'd2;
+        default: classifier_low = 32'd0;
+    endcase
+endfunction
+
+function [31:0] classifier_high(input [`EVCOT_CREG_W-1:0] word);
+    case (word)
+        `EVCOT_CREG_ENABLE: classifier_high = 32'd1;
+        `EVCOT_CREG_WINDOW_LOG2: classifier_high = 32'd12;
+        `EVCOT_CREG_SCALE_START: classifier_high = 32'd4095;
+        `EVCOT_CREG_SHIFT_1: classifier_high = 32'd15;
+        `EVCOT_CREG_SHIFT_2: classifier_high = 32'd15;
+        `EVCOT_CREG_CLASSES: classifier_high = 32'd10;
+        `EVCOT_CREG_MARGIN_MIN: classifier_high = 32'd255;
+        default: classifier_high = 32'hffffffff;
+    endcase
+endfunction
+
+// An illegal value is refused, not clamped.
+function classifier_refuses(input [`EVCOT_CREG_W-1:0] word);
+    classifier_refuses = word == `EVCOT_CREG_ENABLE;
+endfunction
+
 // Values after reset.
 function [31:0] filter_start(input [`EVCOT_FREG_W-1:0] word);
     case (word)
@@ -332,6 +372,17 @@ function [31:0] motion_start(input [`EVCOT_MREG_W-1:0] word);
         `EVCOT_MREG_JOIN_PX: motion_start = 32'd3;
         `EVCOT_MREG_REPORT_STEPS: motion_start = 32'd1;
         default: motion_start = 32'd0;
+    endcase
+endfunction
+
+function [31:0] classifier_start(input [`EVCOT_CREG_W-1:0] word);
+    case (word)
+        `EVCOT_CREG_WINDOW_LOG2: classifier_start = 32'd10;
+        `EVCOT_CREG_SCALE_START: classifier_start = 32'd984;
+        `EVCOT_CREG_SHIFT_1: classifier_start = 32'd8;
+        `EVCOT_CREG_SHIFT_2: classifier_start = 32'd8;
+        `EVCOT_CREG_CLASSES: classifier_start = 32'd10;
+        default: classifier_start = 32'd0;
     endcase
 endfunction
 

@@ -6,13 +6,14 @@
 
 `define EVCOT_CSR_ID      32'h45564354
 `define EVCOT_CSR_MAJOR   16'd3
-`define EVCOT_CSR_MINOR   16'd0
+`define EVCOT_CSR_MINOR   16'd1
 `define EVCOT_CSR_ADDR_W  14
 
 // Banks: base address of the first of each kind; in each bank, the word that commits and the last register.
 `define EVCOT_BANK_FILTER 14'h200
 `define EVCOT_BANK_MOTION 14'h280
 `define EVCOT_BANK_TRACKS 14'h300
+`define EVCOT_BANK_CLASSIFIER 14'h380
 `define EVCOT_BANK_SLOT 14'h2000
 `define EVCOT_BANK_COMMIT 5'd31
 `define EVCOT_BANK_LAST 5'd25
@@ -37,6 +38,10 @@
 `define EVCOT_IRQ_OVERFLOW 3
 `define EVCOT_IRQ_COMMIT 4
 `define EVCOT_IRQ_W 5
+
+// The classifier: its version, and the words of its weights.
+`define EVCOT_CLASSIFIER_VERSION 4'd1
+`define EVCOT_WEIGHT_WORDS 12'd2736
 
 // Words on AXI4-Stream.
 `define EVCOT_EVENT_T_LSB 0
@@ -66,7 +71,8 @@
 `define EVCOT_PASSED_SEQ_LSB 35
 `define EVCOT_PASSED_SEQ_W 29
 
-// A record: contract.RECORD, and of cot_motion motion.contract.MOTION_RECORD.
+// A record: contract.RECORD, of cot_motion motion.contract.MOTION_RECORD, and of a verdict recognition.contract.VERDICT_RECORD.
+`define EVCOT_VERDICT_KIND 3'd4
 `define EVCOT_RECORD_W 384
 `define EVCOT_RECORD_SEQ_LSB 0
 `define EVCOT_RECORD_SEQ_W 64
@@ -119,5 +125,20 @@
 `define EVCOT_MOTION_RECORD_SLOT_W 8
 `define EVCOT_MOTION_RECORD_KIND_LSB 408
 `define EVCOT_MOTION_RECORD_KIND_W 8
+`define EVCOT_VERDICT_RECORD_W 448
+`define EVCOT_VERDICT_RECORD_SEQ_LSB 0
+`define EVCOT_VERDICT_RECORD_SEQ_W 64
+`define EVCOT_VERDICT_RECORD_TRACK_ID_LSB 128
+`define EVCOT_VERDICT_RECORD_TRACK_ID_W 32
+`define EVCOT_VERDICT_RECORD_MARGIN_LSB 160
+`define EVCOT_VERDICT_RECORD_MARGIN_W 16
+`define EVCOT_VERDICT_RECORD_WINDOWS_LSB 176
+`define EVCOT_VERDICT_RECORD_WINDOWS_W 8
+`define EVCOT_VERDICT_RECORD_CLASS_INDEX_LSB 184
+`define EVCOT_VERDICT_RECORD_CLASS_INDEX_W 8
+`define EVCOT_VERDICT_RECORD_SLOT_LSB 400
+`define EVCOT_VERDICT_RECORD_SLOT_W 8
+`define EVCOT_VERDICT_RECORD_KIND_LSB 408
+`define EVCOT_VERDICT_RECORD_KIND_W 8
 
 `endif

@@ -2,6 +2,7 @@
 // The complete tracker with standard buses: events in; records, owned and passed events out; registers on AXI4-Lite; an interrupt.
 //
 //     source -> input FIFO -> gate -> filters -> trackers -> records, owned events, passed events: AXI4-Stream
+//                              |         |           |-> classifier -> verdicts, among the records
 //                              |         |           |
 //              AXI4-Lite: axi_lite_regs, which closes the gate to change registers between two events
 //
@@ -37,6 +38,7 @@ module evcot_top #(
     parameter CELL_PX      = 0,    // side of a cell of the filters' memory in pixels: 1, 2 or 4; 0: a time stamp per pixel
     parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
     parameter RECORD_DEPTH = 16,   // records that may wait for m_axis_records
+    parameter CLASSIFY     = 0,    // 1: the classifier behind cot_motion (TRACKER = 2); its verdicts are records of their own kind
     parameter DATA_W       = 64,   // bits of a beat of m_axis_records: 32, 64, 128 or 256
     parameter N            = 8,    // tracker slots
     parameter X_W          = 9,    // bits of an x address
@@ -114,6 +116,7 @@ module evcot_top #(
     parameter_check #(.OK(WIDTH >= 1 && WIDTH <= (1 << X_W))) WIDTH_must_be_1_to_2_to_the_X_W ();
     parameter_check #(.OK(HEIGHT >= 1 && HEIGHT <= (1 << Y_W))) HEIGHT_must_be_1_to_2_to_the_Y_W ();
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 16384)) FIFO_DEPTH_must_be_1_to_16384 ();
+    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && TRACKER == `EVCOT_TRACKER_MOTION))) CLASSIFY_must_be_0_or_with_TRACKER_2_1 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     // ---- reset: of everything, or of what lies between the buses -----------------------------------------------------
@@ -137,7 +140,7 @@ module evcot_top #(
 
     wire              enable, drop, busy, apply, cleared, open, dropped, idle;
     wire [47:0]       seq;
-    wire              cfg_valid, filter_cfg_valid;
+    wire              cfg_valid, filter_cfg_valid, classifier_cfg_valid;
     wire [SLOT_W-1:0] cfg_slot;
     wire [`EVCOT_MREG_W-1:0] cfg_addr;
     wire [`EVCOT_FREG_W-1:0] filter_cfg_addr;
@@ -145,6 +148,9 @@ module evcot_top #(
     wire [15:0]       held;
     wire [31:0]       n_in, n_dropped, n_malformed, n_backward;
     wire [15:0]       packet_records, packet_wait;
+    wire              weight_address_write, weight_data_write, weight_ready, verdict_lost;
+    wire [11:0]       weight_address_new, weight_address, weights_loaded;
+    wire [17:0]       weight_data_new, weight_data;
     reg               all_idle;
     reg  [31:0]       n_filtered, n_owned, n_passed, n_records, n_stalls;
     reg  [`EVCOT_IRQ_COMMIT-1:0] happened;
@@ -172,7 +178,8 @@ module evcot_top #(
         .STAMP_W     (STAMP_W),
         .RECENT_DEPTH(RECENT_DEPTH),
         .CELL_PX     (CELL_PX),
-        .FIFO_DEPTH  (FIFO_DEPTH)
+        .FIFO_DEPTH  (FIFO_DEPTH),
+        .CLASSIFY    (CLASSIFY)
     ) u_regs (
         .clk             (clk),
         .rst             (rst),
@@ -227,6 +234,16 @@ module evcot_top #(
         .filter_cfg_valid(filter_cfg_valid),
         .filter_cfg_addr (filter_cfg_addr),
         .filter_cfg_data (filter_cfg_data),
+        .classifier_cfg_valid(classifier_cfg_valid),
+        .weight_address_write(weight_address_write),
+        .weight_address_new  (weight_address_new),
+        .weight_address  (weight_address),
+        .weight_data_write(weight_data_write),
+        .weight_data_new (weight_data_new),
+        .weight_data     (weight_data),
+        .weight_ready    (weight_ready),
+        .weights_loaded  (weights_loaded),
+        .verdict_lost    (verdict_lost),
         .idle            (all_idle),
         .open            (open),
         .held            (held),
@@ -334,6 +351,7 @@ module evcot_top #(
     );
 
     wire f_valid, f_ready;
+    wire quiet;  // the classifier has evaluated all windows
 
     token_gate #(
         .SEQ_W(48)
@@ -342,7 +360,7 @@ module evcot_top #(
         .rst     (core_rst),
         .enable  (enable),
         .busy    (busy),
-        .idle    (idle),
+        .idle    (idle && quiet),
         .apply   (apply),
         .cleared (cleared),
         .open    (open),
@@ -376,6 +394,8 @@ module evcot_top #(
     wire [N_EV_W-1:0]   cm_n_ev;
     wire [SUP_W-1:0]    cm_support;
     wire [SEQ_W-1:0]    cm_seq, own_seq, pass_seq;
+    wire                own_visible;
+    wire [ID_W-1:0]     own_id;
     wire [TIME_W-1:0]   cm_time;
     wire [RADIX_W+1:0]  own_x, own_y;
     wire [X_W-1:0]      pass_x;
@@ -400,7 +420,8 @@ module evcot_top #(
         .SUP_W       (SUP_W),
         .ID_W        (ID_W),
         .SEQ_W       (SEQ_W),
-        .TIME_W      (TIME_W)
+        .TIME_W      (TIME_W),
+        .OWNERS      (CLASSIFY)
     ) u_filtered (
         .clk             (clk),
         .rst             (core_rst),
@@ -443,6 +464,8 @@ module evcot_top #(
         .m_own_y         (own_y),
         .m_own_p         (own_p),
         .m_own_seq       (own_seq),
+        .m_own_visible   (own_visible),
+        .m_own_id        (own_id),
         .m_pass_valid    (pass_valid),
         .m_pass_ready    (pass_ready),
         .m_pass_x        (pass_x),
@@ -453,6 +476,78 @@ module evcot_top #(
         .idle            (idle)
     );
 
+    // ---- classifier --------------------------------------------------------------------------------------------------
+
+    wire              verdict_valid, verdict_ready, classifier_idle;
+    wire [SLOT_W-1:0] verdict_slot;
+    wire [ID_W-1:0]   verdict_id;
+    wire [SEQ_W-1:0]  verdict_seq;
+    wire [3:0]        verdict_class;
+    wire [14:0]       verdict_margin;
+    wire [7:0]        verdict_windows;
+
+    generate
+        if (CLASSIFY != 0) begin : g_classifier
+            classifier_regs #(
+                .N      (N),
+                .RADIX_W(RADIX_W),
+                .ID_W   (ID_W),
+                .SEQ_W  (SEQ_W)
+            ) u_classifier (
+                .clk                 (clk),
+                .rst                 (rst),
+                .core_rst            (core_rst),
+                .quiet               (quiet),
+                .cfg_valid           (classifier_cfg_valid),
+                .cfg_addr            (cfg_addr[`EVCOT_CREG_W-1:0]),
+                .cfg_data            (cfg_data[11:0]),
+                .weight_address_write(weight_address_write),
+                .weight_address_new  (weight_address_new),
+                .weight_address      (weight_address),
+                .weight_ready        (weight_ready),
+                .weight_data_write   (weight_data_write),
+                .weight_data_new     (weight_data_new),
+                .weight_data         (weight_data),
+                .loaded              (weights_loaded),
+                .s_valid             (own_valid && own_ready),
+                .s_slot              (own_slot),
+                .s_dx                (own_x),
+                .s_dy                (own_y),
+                .s_visible           (own_visible),
+                .s_id                (own_id),
+                .s_seq               (own_seq),
+                .m_valid             (verdict_valid),
+                .m_ready             (verdict_ready),
+                .m_slot              (verdict_slot),
+                .m_id                (verdict_id),
+                .m_seq               (verdict_seq),
+                .m_class             (verdict_class),
+                .m_margin            (verdict_margin),
+                .m_windows           (verdict_windows),
+                .lost                (verdict_lost),
+                .idle                (classifier_idle)
+            );
+        end else begin : g_no_classifier
+            assign quiet           = 1'b1;
+            assign weight_address  = 12'd0;
+            assign weight_ready    = 1'b0;
+            assign weight_data     = 18'd0;
+            assign weights_loaded  = 12'd0;
+            assign verdict_valid   = 1'b0;
+            assign verdict_slot    = {SLOT_W{1'b0}};
+            assign verdict_id      = {ID_W{1'b0}};
+            assign verdict_seq     = {SEQ_W{1'b0}};
+            assign verdict_class   = 4'd0;
+            assign verdict_margin  = 15'd0;
+            assign verdict_windows = 8'd0;
+            assign verdict_lost    = 1'b0;
+            assign classifier_idle = 1'b1;
+
+            wire unused_classifier = &{1'b0, classifier_cfg_valid, weight_address_write, weight_address_new, weight_data_write,
+                                       weight_data_new, own_visible, own_id, verdict_ready};
+        end
+    endgenerate
+
     // ---- outputs: what has come here goes out whole, soft reset or not -----------------------------------------------
 
     wire records_idle;
@@ -461,6 +556,7 @@ module evcot_top #(
         .DATA_W  (DATA_W),
         .DEPTH   (RECORD_DEPTH),
         .MOTION  (MOTION),
+        .CLASSIFY(CLASSIFY),
         .SLOT_W  (SLOT_W),
         .ID_W    (ID_W),
         .X_W     (CM_X_W),
@@ -494,6 +590,14 @@ module evcot_top #(
         .s_cm_support (cm_support),
         .s_cm_seq     (cm_seq),
         .s_cm_time    (cm_time),
+        .s_verdict_valid  (verdict_valid),
+        .s_verdict_ready  (verdict_ready),
+        .s_verdict_slot   (verdict_slot),
+        .s_verdict_id     (verdict_id),
+        .s_verdict_seq    (verdict_seq),
+        .s_verdict_class  (verdict_class),
+        .s_verdict_margin (verdict_margin),
+        .s_verdict_windows(verdict_windows),
         .m_axis_tvalid(m_axis_records_tvalid),
         .m_axis_tready(m_axis_records_tready),
         .m_axis_tdata (m_axis_records_tdata),
@@ -545,7 +649,7 @@ module evcot_top #(
     );
 
     always @(posedge clk)
-        all_idle <= !rst && sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid
+        all_idle <= !rst && sources_idle && idle && classifier_idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid
                  && !(s_axis_tvalid && s_axis_tready);  // nor does anything come
 
     // ---- what is counted, and what interrupts ------------------------------------------------------------------------
@@ -556,7 +660,7 @@ module evcot_top #(
         if (filtered) n_filtered <= n_filtered + 1'b1;
         if (own_valid && own_ready) n_owned <= n_owned + 1'b1;
         if (pass_valid && pass_ready) n_passed <= n_passed + 1'b1;
-        if (recorded) n_records <= n_records + 1'b1;
+        if (recorded || (verdict_valid && verdict_ready)) n_records <= n_records + 1'b1;
         if (s_valid && !s_ready && enable) n_stalls <= n_stalls + 1'b1;
 
         happened[`EVCOT_IRQ_BIRTH]    <= recorded && cm_kind == `EVCOT_KIND_BORN;

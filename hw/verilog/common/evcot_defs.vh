@@ -171,4 +171,14 @@
 `define EVCOT_MREG_KEEP_OLDER 6'd50
 `define EVCOT_MREG_REPORT_STEPS 6'd51
 
+// Word addresses of the registers of the classifier in their bank.
+`define EVCOT_CREG_W 5
+`define EVCOT_CREG_ENABLE 5'd1
+`define EVCOT_CREG_WINDOW_LOG2 5'd2
+`define EVCOT_CREG_SCALE_START 5'd3
+`define EVCOT_CREG_SHIFT_1 5'd4
+`define EVCOT_CREG_SHIFT_2 5'd5
+`define EVCOT_CREG_CLASSES 5'd6
+`define EVCOT_CREG_MARGIN_MIN 5'd7
+
 `endif

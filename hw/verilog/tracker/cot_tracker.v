@@ -24,6 +24,7 @@ module cot_tracker #(
     parameter ID_W    = 32,  // bits of a track id
     parameter SEQ_W   = 48,  // bits of an event's sequence number
     parameter TIME_W  = 48,  // bits of the tick count
+    parameter OWNERS  = 0,   // 1: owned events of cot_motion leave with m_own_visible and m_own_id
     parameter SLOT_W  = (N > 1) ? $clog2(N) : 1,  // derived: leave it alone
     parameter REACH   = (X_W > Y_W) ? (X_W > 9 ? X_W : 9) : (Y_W > 9 ? Y_W : 9),  // derived: leave it alone
     parameter SIDE_W  = REACH + 16,                            // derived: leave it alone
@@ -77,6 +78,8 @@ module cot_tracker #(
     output wire [RADIX_W+1:0]  m_own_y,
     output wire                m_own_p,
     output wire [SEQ_W-1:0]    m_own_seq,
+    output wire                m_own_visible,  // with OWNERS: the owner is a track, not a candidate; else 0
+    output wire [ID_W-1:0]     m_own_id,       // with OWNERS: that track, if visible; else 0
 
     // events that no slot took
     output wire                m_pass_valid,
@@ -160,6 +163,8 @@ module cot_tracker #(
             assign m_cm_height = {SIDE_W{1'b0}};
             assign m_cm_v_x    = 16'd0;
             assign m_cm_v_y    = 16'd0;
+            assign m_own_visible = 1'b0;
+            assign m_own_id      = {ID_W{1'b0}};
 
             wire unused = &{1'b0, cfg_addr[`EVCOT_MREG_W-1]};
         end else if (TRACKER == `EVCOT_TRACKER_MOTION) begin : g_motion
@@ -172,7 +177,8 @@ module cot_tracker #(
                 .SUP_W  (SUP_W),
                 .ID_W   (ID_W),
                 .SEQ_W  (SEQ_W),
-                .TIME_W (TIME_W)
+                .TIME_W (TIME_W),
+                .OWNERS (OWNERS)
             ) u_tracker (
                 .clk         (clk),
                 .rst         (rst),
@@ -211,6 +217,8 @@ module cot_tracker #(
                 .m_own_y     (m_own_y),
                 .m_own_p     (m_own_p),
                 .m_own_seq   (m_own_seq),
+                .m_own_visible(m_own_visible),
+                .m_own_id    (m_own_id),
                 .m_pass_valid(m_pass_valid),
                 .m_pass_ready(m_pass_ready),
                 .m_pass_x    (m_pass_x),
@@ -283,6 +291,8 @@ module cot_tracker #(
             assign m_cm_height = {SIDE_W{1'b0}};
             assign m_cm_v_x    = 16'd0;
             assign m_cm_v_y    = 16'd0;
+            assign m_own_visible = 1'b0;
+            assign m_own_id      = {ID_W{1'b0}};
 
             wire unused = &{1'b0, cfg_addr[`EVCOT_MREG_W-1]};
         end

@@ -32,6 +32,8 @@ from ..filters.contract import (
 from ..filters.decay import weights
 from ..hough.contract import COSINES, STAMP_W
 from ..outputs import written_aside
+from ..recognition.contract import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD, VERDICT_RECORD_MEANINGS, VERSION
+from ..recognition.weight_memory import BANKS, ROWS
 from ..templating import templates
 from ..tracks.log import Kind
 from .contract import HIST_AVG_STILL, ORDERED, RECORD, RECORD_MEANINGS, REGISTERS, SHAPE_RANGES, Mode, Register, State
@@ -53,6 +55,12 @@ _KINDS = {
     Kind.LOST: "a track that has ended, by its timer or by a write of `mode`; `seq` is the number of the next event",
 }
 """What a record of each kind is."""
+
+
+_WHAT_OF = {
+    "motion": "boxes and velocities, of cot_motion", "tracks": "lives, of cot_motion", "classifier": "the classifier",
+}  # fmt: skip
+"""What the registers of each bank are of that not all hardware has."""
 
 
 @dataclass(frozen=True)
@@ -123,19 +131,25 @@ def _verilog_high(register: Listed) -> str:
 
 
 def _checked(word: Word, field: Field) -> bool:
-    return field.access is Access.RW and bool(field.low or field.high is not None or field.allowed)
+    limited = bool(field.low or field.high is not None or field.allowed)
+    return field.access is Access.PORT or (field.access is Access.RW and limited)
 
 
 def _flaws(field: Field) -> list[str]:
     """The ways in which a value written to a field may be illegal."""
     if field.allowed:
         return ["bad"]
-    return ["over"] * (field.high is not None) + ["under"] * bool(field.low)
+    return ["bad"] * (field.access is Access.PORT) + ["over"] * (field.high is not None) + ["under"] * bool(field.low)
+
+
+def _low_w(bank: Bank) -> int:
+    """Bits of the lowest legal values of a bank."""
+    return max(entry.low for entry in bank.registers.values()).bit_length() or 1
 
 
 def _legal(field: Field) -> str:
     """The legal values of a field, as text."""
-    if field.access is not Access.RW:
+    if field.access not in (Access.RW, Access.PORT):
         return ""
     if field.allowed:
         return "what was built, else refused"
@@ -177,7 +191,8 @@ def _vocabulary() -> dict[str, Any]:
     checked = [(word, field) for word in register_of.words for field in word.fields if _checked(word, field)]
     motion = {name: entry for bank in MOTION_BANKS.values() for name, entry in bank.items()}
     banks = register_of.banks
-    attributes = ("slot", "filters", *(f"_{bank}" for bank in MOTION_BANKS))
+    built_banks = {**MOTION_BANKS, "classifier": CLASSIFIER_REGISTERS}
+    attributes = ("slot", "filters", *(f"_{bank}" for bank in built_banks))
     return {
         "map": register_of,
         "counters": register_of.counters,
@@ -188,35 +203,42 @@ def _vocabulary() -> dict[str, Any]:
         "kind_meanings": _KINDS,
         "filter_registers": FILTER_REGISTERS,
         "motion_banks": MOTION_BANKS,
+        "built_banks": built_banks,
+        "what_of": _WHAT_OF,
+        "classifier_registers": CLASSIFIER_REGISTERS,
+        "classifier_version": VERSION,
+        "weight_words": ROWS * BANKS,
+        "verdict_kind": VERDICT_KIND,
         "motion_rules": _rules(),
         "tracker_motion": register_of.trackers.index("motion"),
         "limits": {
             "slot": _limits("REG", REGISTERS, banks["slot"].refuse),
             "filter": _limits("FREG", FILTER_REGISTERS, banks["filter"].refuse),
             "motion": _limits("MREG", motion, [name for bank in MOTION_BANKS for name in banks[bank].refuse]),
+            "classifier": _limits("CREG", CLASSIFIER_REGISTERS, banks["classifier"].refuse),
         },
-        "low_w": max(entry.low for bank in banks.values() for entry in bank.registers.values()).bit_length() or 1,
+        "low_w": {
+            "classifier": max(map(_low_w, banks.values())),
+            "others": max(_low_w(bank) for name, bank in banks.items() if name != "classifier"),
+        },
         "start": _start,
         "checked": checked,
         "flaws": _flaws,
-        "refusing": [f"bad_{word.port(field)}" for word, field in checked if field.allowed],
-        "clamping": [f"{flaw}_{word.port(field)}" for word, field in checked for flaw in _flaws(field) if not field.allowed],
+        "refusing": [f"bad_{word.port(field)}" for word, field in checked if "bad" in _flaws(field)],
+        "clamping": [f"{flaw}_{word.port(field)}" for word, field in checked for flaw in _flaws(field) if flaw != "bad"],
         "wide": lambda field: not field.name and field.bits < 32,
         "compared": lambda field: field.high is not None and field.high != (1 << field.bits) - 1,
-        "record_meanings": {"record": RECORD_MEANINGS, "motion_record": MOTION_RECORD_MEANINGS},
+        "record_meanings": {
+            "record": RECORD_MEANINGS,
+            "motion_record": MOTION_RECORD_MEANINGS,
+            "verdict_record": VERDICT_RECORD_MEANINGS,
+        },
         "records": {
             "record": (_record(RECORD), _record_in_c(RECORD), RECORD.itemsize),
             "motion_record": (_record(MOTION_RECORD), _record_in_c(MOTION_RECORD), MOTION_RECORD.itemsize),
+            "verdict_record": (_record(VERDICT_RECORD), _record_in_c(VERDICT_RECORD), VERDICT_RECORD.itemsize),
         },
         "kinds": Kind,
-        "banks": [
-            (f"Slot i: {banks['slot'].base:#06x} + {4 * banks['slot'].words:#x} i", "slot", "slot", REGISTERS),
-            ("Filters", "filter", f"{banks['filter'].base:#06x}", FILTER_REGISTERS),
-            *(
-                (title, name, f"{banks[name].base:#06x}", MOTION_BANKS[name])
-                for title, name in (("Boxes and velocities, of cot_motion", "motion"), ("Lives, of cot_motion", "tracks"))
-            ),
-        ],
         "code": lambda word: f"{register_of.address_w - 2}'h{word.address // 4:03x}",
         "range": lambda field: f"[{field.bits - 1}:0]".ljust(6) if field.bits > 1 else " " * 6,
         "place": lambda field: f"{field.lsb + field.bits - 1}:{field.lsb}" if field.bits > 1 else f"{field.lsb}",
@@ -239,6 +261,7 @@ def render() -> dict[str, str]:
         _codes("FILTER", "The filters of a chain, in their order: bits of `enable`.", Filter),
         _bank_codes("FREG", "Word addresses of the registers of a filter chain.", banks["filter"]),
         _motion_codes(),
+        _bank_codes("CREG", "Word addresses of the registers of the classifier in their bank.", banks["classifier"]),
     ]
     rows = [(width, tap_mask(width), taps) for width, taps in TAPS.items()]
     vocabulary = _vocabulary()

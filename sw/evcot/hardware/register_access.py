@@ -66,6 +66,7 @@ class _Build(Group):
     sources = Bits("build", "sources")
     ticks = Bits("build", "ticks")
     tracker = Bits("build", "tracker")
+    classifier = Bits("build", "classifier")
     cell_px = Bits("build", "cell_px")
 
 
@@ -174,6 +175,21 @@ class _Packet(Group):
     wait = Bits("packet", "wait")
 
 
+class _Weights(Group):
+    """Words of the classifier's weights."""
+
+    __slots__ = ()
+    loaded = Bits("weights", "loaded")
+    needed = Bits("weights", "needed")
+
+
+class _Verdicts(Group):
+    """Verdicts of the classifier."""
+
+    __slots__ = ()
+    lost = Bits("verdicts", "lost")
+
+
 class _Slot(BankGroup):
     """The registers of one tracker slot, whose life goes on at a commit unless `mode` was written."""
 
@@ -279,6 +295,19 @@ class _Tracks(BankGroup):
     report_steps = BankRegister("tracks", "report_steps")
 
 
+class _Classifier(BankGroup):
+    """The registers of the classifier."""
+
+    __slots__ = ()
+    enable = BankRegister("classifier", "enable")
+    window_log2 = BankRegister("classifier", "window_log2")
+    scale_start = BankRegister("classifier", "scale_start")
+    shift_1 = BankRegister("classifier", "shift_1")
+    shift_2 = BankRegister("classifier", "shift_2")
+    classes = BankRegister("classifier", "classes")
+    margin_min = BankRegister("classifier", "margin_min")
+
+
 class Registers(Group):
     """All registers. `shape`, `filter_shape` and the number of slots are read from the hardware.
 
@@ -287,6 +316,7 @@ class Registers(Group):
     """
 
     __slots__ = (
+        "_classifier",
         "_motion",
         "_tracks",
         "build",
@@ -306,7 +336,9 @@ class Registers(Group):
         "slot",
         "source",
         "status",
+        "verdicts",
         "version",
+        "weights",
     )
     id = Bits("id")
     tick_us = Bits("tick_us")
@@ -317,6 +349,8 @@ class Registers(Group):
     commit_seq_low = Bits("commit_seq_low")
     commit_seq_high = Bits("commit_seq_high")
     commits = Bits("commits")
+    weight_address = Bits("weight_address")
+    weight_data = Bits("weight_data")
     events_in = Bits("events_in")
     events_dropped = Bits("events_dropped")
     malformed = Bits("malformed")
@@ -359,12 +393,15 @@ class Registers(Group):
         self.fault = _Fault(transport, 0, *shapes)
         self.irq_status = _IrqStatus(transport, 0, *shapes)
         self.packet = _Packet(transport, 0, *shapes)
+        self.weights = _Weights(transport, 0, *shapes)
+        self.verdicts = _Verdicts(transport, 0, *shapes)
         self.slot = tuple(
             _Slot(transport, 0x2000 + 128 * i, *shapes) for i in range(self.shape.n_slots)
         )
         self.filters = _Filters(transport, 0x0200, *shapes)
         self._motion = _Motion(transport, 0x0280, *shapes)
         self._tracks = _Tracks(transport, 0x0300, *shapes)
+        self._classifier = _Classifier(transport, 0x0380, *shapes)
 
     def _shape(self) -> Shape:
         words = self._transport, 0, self.shape, self.filter_shape
@@ -393,7 +430,7 @@ class Registers(Group):
         Raises:
             ConfigError: the hardware has none.
         """
-        self._must_have("motion")
+        self._must_have("motion", "TRACKER", self.build.tracker, 2, "cot_motion")
         return self._motion
 
     @property
@@ -403,15 +440,24 @@ class Registers(Group):
         Raises:
             ConfigError: the hardware has none.
         """
-        self._must_have("tracks")
+        self._must_have("tracks", "TRACKER", self.build.tracker, 2, "cot_motion")
         return self._tracks
 
-    def _must_have(self, bank: str) -> None:
-        tracker = self.build.tracker
-        if tracker != 2:
+    @property
+    def classifier(self) -> _Classifier:
+        """The registers of the classifier.
+
+        Raises:
+            ConfigError: the hardware has none.
+        """
+        self._must_have("classifier", "CLASSIFY", int(self.build.classifier > 0), 1, "the classifier")
+        return self._classifier
+
+    def _must_have(self, bank: str, parameter: str, built: int, needed: int, what: str) -> None:
+        if built != needed:
             raise ConfigError(
-                f"the hardware has no registers {bank}: it was built with TRACKER = {tracker}; "
-                "TRACKER = 2 builds cot_motion"
+                f"the hardware has no registers {bank}: it was built with {parameter} = {built}; "
+                f"{parameter} = {needed} builds {what}"
             )
 
     @property

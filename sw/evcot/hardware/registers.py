@@ -21,6 +21,7 @@ from typing import Any, Protocol, overload
 from ..errors import ConfigError
 from ..filters.contract import FILTER_REGISTERS, FilterRegister, FilterShape
 from ..ranges import check_integer
+from ..recognition.contract import CLASSIFIER_REGISTERS
 from .contract import REGISTERS, SLOTS_MAX, Register, Shape
 from .motion.contract import MOTION_BANKS, MotionRegister
 
@@ -53,6 +54,7 @@ class Access(StrEnum):
     RW = "rw"
     PULSE = "pulse"
     W1C = "w1c"
+    PORT = "port"
 
 
 class BusError(ConfigError):
@@ -81,6 +83,7 @@ class Field:
         low, high: smallest and largest legal value; a high of "X_W" is the maximum of X_W bits, None is all ones.
         allowed: Verilog parameter with a bit for every legal value, or empty.
         refuses: a write of an illegal value is ignored; else the value is clamped.
+        built: Verilog condition under which the field is not 0, of a constant; empty if it may always differ from 0.
     """
 
     name: str
@@ -93,6 +96,7 @@ class Field:
     high: int | str | None = None
     allowed: str = ""
     refuses: bool = False
+    built: str = ""
 
     @property
     def mask(self) -> int:
@@ -129,7 +133,7 @@ class Word:
     @property
     def kept(self) -> int:
         """Mask of the bits that a write to another field must preserve."""
-        return sum(field.mask for field in self.fields if field.access is Access.RW)
+        return sum(field.mask for field in self.fields if field.access in (Access.RW, Access.PORT))
 
     def port(self, field: Field) -> str:
         """The field's name in Verilog and C."""
@@ -239,7 +243,7 @@ def register_map() -> RegisterMap:
         ConfigError: as for `map_of`.
     """
     data = tomllib.loads(files("evcot.hardware").joinpath("registers.toml").read_text(encoding="utf-8"))
-    return map_of(data, {"slot": REGISTERS, "filter": FILTER_REGISTERS, **MOTION_BANKS})
+    return map_of(data, {"slot": REGISTERS, "filter": FILTER_REGISTERS, **MOTION_BANKS, "classifier": CLASSIFIER_REGISTERS})
 
 
 def motion_addresses() -> dict[str, int]:

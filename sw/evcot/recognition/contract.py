@@ -3,15 +3,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
-from ..ranges import check_ranges, setting
+from ..hardware.motion.contract import MOTION_RECORD, MotionRegister
+from ..ranges import check_ranges, ranges_of, setting
 
 __all__ = [
     "CELLS",
     "CLASSES_MAX",
+    "CLASSIFIER_REGISTERS",
     "COUNT_MAX",
     "HIDDEN",
     "HIDDEN_MAX",
@@ -19,10 +23,15 @@ __all__ = [
     "NONE",
     "RAW_VERDICT",
     "SERVICE_EVENTS",
+    "VERDICT_KIND",
+    "VERDICT_RECORD",
+    "VERDICT_RECORD_MEANINGS",
+    "VERSION",
     "VOTED_MAX",
     "RecognitionRegisters",
 ]
 
+VERSION = 1  # of this contract: what weights are for, and what hardware computes
 CELLS = 12  # of an image, along each axis
 COUNT_MAX = 15  # of a cell
 HIDDEN = 32  # units of the hidden layer
@@ -64,3 +73,52 @@ RAW_VERDICT = np.dtype(
 )
 """A verdict as the hardware sends it: number of the event that closed the window, slot, class, margin of the vote, windows in
 the vote."""
+
+
+def _bank() -> Mapping[str, MotionRegister]:
+    # Word 0 is free: on the bus, a bank's word 0 is `mode` of a slot (axi_lite_regs.v).
+    start = RecognitionRegisters()
+    found = {"enable": MotionRegister(1, 0, 1, 0, "1: events count; 0: they do not, and weights can be written")}
+    for address, (name, (low, high, meaning)) in enumerate(ranges_of(RecognitionRegisters).items(), 2):
+        found[name] = MotionRegister(address, int(low), int(high), getattr(start, name), meaning)
+    return MappingProxyType(found)
+
+
+CLASSIFIER_REGISTERS: Mapping[str, MotionRegister] = _bank()
+"""The bank of the classifier on the bus: its registers by name. Their order is that of the register port of classifier.v."""
+
+VERDICT_KIND = 4
+"""Kind of the record of a verdict; those of the tracker are `tracks.log.Kind`."""
+
+VERDICT_RECORD = np.dtype(
+    [
+        ("seq", "<u8"),
+        ("_pad", "<u8"),
+        ("track_id", "<u4"),
+        ("margin", "<u2"),
+        ("windows", "u1"),
+        ("class_index", "u1"),
+        ("_pad2", "<u8"),
+        ("_pad3", "<u8"),
+        ("_pad4", "<u8"),
+        ("_pad5", "<u2"),
+        ("slot", "u1"),
+        ("kind", "u1"),
+        ("_pad6", "<u4"),
+    ]
+)
+"""A verdict in the stream of records: as long as a record of cot_motion, with seq, track_id, slot and kind in its places."""
+assert VERDICT_RECORD.itemsize == MOTION_RECORD.itemsize
+
+VERDICT_RECORD_MEANINGS: MappingProxyType[str, str] = MappingProxyType(
+    {
+        "seq": "number of the event that closed the window",
+        "track_id": "the track",
+        "margin": "margin of the vote",
+        "windows": "windows in the vote",
+        "class_index": f"the class, in the order of the weights; {NONE}: none of these",
+        "slot": "the slot of the track",
+        "kind": str(VERDICT_KIND),
+    }
+)
+"""Field of `VERDICT_RECORD` -> its meaning."""

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from ..errors import ConfigError, reason_of
 from ..outputs import note_input, written_aside
 from ..tracks.record import ClassNames, check_class_name
-from .contract import RecognitionRegisters
+from .contract import VERSION, RecognitionRegisters
 from .model import Network
 
-__all__ = ["VERSION", "Weights"]
+__all__ = ["Weights"]
 
-VERSION = 1  # of the contract (docs/recognition.md) that the weights are for
 _ARRAY_BYTES_MAX = 1 << 16  # of a file's array, which may claim anything
 _ARRAYS = ("version", "tracker", "registers", "class_ids", "class_names", "w1", "w2", "checksum")
 

@@ -30,6 +30,7 @@ module cot_motion #(
     parameter ID_W    = 32,  // bits of a track id
     parameter SEQ_W   = 48,  // bits of an event's sequence number
     parameter TIME_W  = 48,  // bits of the tick count
+    parameter OWNERS  = 0,   // 1: owned events leave with m_own_visible and m_own_id; else both are 0
     parameter SLOT_W  = (N > 1) ? $clog2(N) : 1,  // derived: leave it alone
     parameter REACH   = (X_W > Y_W) ? (X_W > 9 ? X_W : 9) : (Y_W > 9 ? Y_W : 9),  // derived: leave it alone
     parameter SIDE_W  = REACH + 16                // derived: leave it alone
@@ -79,6 +80,8 @@ module cot_motion #(
     output wire [RADIX_W+1:0]  m_own_y,
     output wire                m_own_p,
     output wire [SEQ_W-1:0]    m_own_seq,
+    output wire                m_own_visible,  // the owner is a track, not a candidate
+    output wire [ID_W-1:0]     m_own_id,       // that track, if visible
 
     // events that no slot took
     output wire                m_pass_valid,
@@ -202,7 +205,7 @@ module cot_motion #(
     // ---- what comes next ---------------------------------------------------------------------------------------------
 
     wire              room, output_empty, quiet, active;
-    wire              d_valid, d_event, d_owned, d_p;
+    wire              d_valid, d_event, d_owned, d_p, d_visible;
     wire [SLOT_W-1:0] d_slot;
     wire [REL_W-1:0]  d_rel_x, d_rel_y;
     wire [X_W-1:0]    d_x;
@@ -370,6 +373,7 @@ module cot_motion #(
         .d_p        (d_p),
         .d_time     (d_time),
         .d_seq      (d_seq),
+        .d_visible  (d_visible),
         .j_valid    (j_valid),
         .j_kind     (j_kind),
         .j_sides    (j_sides),
@@ -614,18 +618,42 @@ module cot_motion #(
 
     // ---- output ------------------------------------------------------------------------------------------------------
 
+    // What is known of the owner of an event. A track says its id in a record before the first event that it owns, and the next one in
+    // its slot after the last event.
+    localparam OWNER_W = (OWNERS != 0) ? SLOT_W + ID_W + 1 : SLOT_W;
+
+    wire [OWNER_W-1:0] d_owner, own_owner;
+
+    generate
+        if (OWNERS != 0) begin : g_owners
+            reg [ID_W-1:0] ids [0:N-1];
+
+            always @(posedge clk) if (say) ids[at] <= id;
+
+            assign d_owner = {ids[d_slot], d_visible, d_slot};
+            assign {m_own_id, m_own_visible} = own_owner[OWNER_W-1:SLOT_W];
+        end else begin : g_slots
+            assign d_owner = d_slot;
+            assign {m_own_id, m_own_visible} = {(ID_W + 1) {1'b0}};
+
+            wire unused_visible = &{1'b0, d_visible};
+        end
+    endgenerate
+
+    assign m_own_slot = own_owner[SLOT_W-1:0];
+
     array_output #(
         .X_W   (X_W),
         .Y_W   (Y_W),
         .REL_W (REL_W),
         .SEQ_W (SEQ_W),
-        .SLOT_W(SLOT_W)
+        .SLOT_W(OWNER_W)
     ) u_output (
         .clk         (clk),
         .rst         (restart),
         .s_valid     (d_valid && d_event),
         .s_owned     (d_owned),
-        .s_slot      (d_slot),
+        .s_slot      (d_owner),
         .s_rel_x     (d_rel_x),
         .s_rel_y     (d_rel_y),
         .s_x         (d_x),
@@ -634,7 +662,7 @@ module cot_motion #(
         .s_seq       (d_seq),
         .m_own_valid (m_own_valid),
         .m_own_ready (m_own_ready),
-        .m_own_slot  (m_own_slot),
+        .m_own_slot  (own_owner),
         .m_own_x     (m_own_x),
         .m_own_y     (m_own_y),
         .m_own_p     (m_own_p),

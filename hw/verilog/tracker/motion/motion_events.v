@@ -91,6 +91,7 @@ module motion_events #(
     output reg               d_p,
     output reg  [TIME_W-1:0] d_time,
     output reg  [SEQ_W-1:0]  d_seq,
+    output reg               d_visible,   // its owner is visible in effect
 
     // a job, in the clock of d_*; number and tick are d_seq and d_time, the place of a seed d_x and d_y
     output reg               j_valid,
@@ -234,6 +235,7 @@ module motion_events #(
     // ---- stages 5 to 7: what it does to its owner ----------------------------------------------------------------------
 
     reg               owned_5, begins_5, shared_5, visible_5, same_5, recent_5;
+    reg               visible_6;
     reg               takes, measures, updates, begins_6;  // an owner has the event; its sides move; it is counted; or a candidate may begin
     reg  [SLOT_W-1:0] slot_5, slot_6;
     reg               seeding;                        // a candidate has begun that is not in effect,
@@ -289,6 +291,7 @@ module motion_events #(
         updates   <= event_5 && owned_5 && !begins_5 && !shared_5 && any_next;
         begins_6  <= event_5 && owned_5 && begins_5;
         slot_6    <= slot_5;
+        visible_6 <= visible_5;
         own_6     <= own_5;
         acts_6    <= own_5 || op_5[0];
         new_5     <= seeding && slot_4 == seed_slot && (op_4[0] || (op_4[1] && e_own));  // long after it was seeded
@@ -310,6 +313,7 @@ module motion_events #(
         d_event    <= event_6;
         d_owned    <= takes || seeds_6;
         d_slot     <= slot_6;
+        d_visible  <= visible_6 && !seeds_6;
         d_rel_x    <= seeds_6 ? {REL_W{1'b0}} : rel_x;
         d_rel_y    <= seeds_6 ? {REL_W{1'b0}} : rel_y;
         {d_x, d_y, d_p} <= token_6[X_W+Y_W:0];
