@@ -22,7 +22,7 @@
 /* version of this map */
 #define EVCOT_VERSION 0x004u
 #define EVCOT_VERSION_MINOR_SHIFT 0u
-#define EVCOT_VERSION_MINOR_MASK 0x0000FFFFu /* ro: incremented with compatible additions */
+#define EVCOT_VERSION_MINOR_MASK 0x0000FFFFu /* ro: incremented with compatible additions; 0 without the classifier */
 #define EVCOT_VERSION_MAJOR_SHIFT 16u
 #define EVCOT_VERSION_MAJOR_MASK 0xFFFF0000u /* ro: incremented with incompatible changes */
 

@@ -141,7 +141,7 @@ module axi_lite_regs #(
 
     parameter_check #(.OK(N >= `EVCOT_N_SLOTS_MIN && N <= `EVCOT_N_SLOTS_MAX)) N_must_be_1_to_64 ();
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 65535)) FIFO_DEPTH_must_be_1_to_65535 ();
-    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && TRACKER == `EVCOT_TRACKER_MOTION))) CLASSIFY_must_be_0_or_with_TRACKER_2_1 ();
+    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && TRACKER == `EVCOT_TRACKER_MOTION))) CLASSIFY_must_be_0_or_1_and_needs_cot_motion ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam WORD_W = `EVCOT_CSR_ADDR_W - 2;
@@ -657,7 +657,7 @@ module axi_lite_regs #(
         .clamped             (words_clamped),
         .refused             (words_refused),
         .id                  (`EVCOT_CSR_ID),
-        .version_minor       (`EVCOT_CSR_MINOR),
+        .version_minor       ((CLASSIFY != 0) ? `EVCOT_CSR_MINOR : 16'd0),  // the classifier came with minor 1
         .version_major       (`EVCOT_CSR_MAJOR),
         .shape0_n_slots      (SLOTS),
         .shape0_frac         (FRAC_32[3:0]),

@@ -84,7 +84,7 @@ module axis_records_out #(
 
     parameter_check #(.OK(DATA_W == 32 || DATA_W == 64 || DATA_W == 128 || DATA_W == 256)) DATA_W_must_be_32_64_128_or_256 ();
     parameter_check #(.OK(DEPTH >= 1)) DEPTH_must_be_at_least_1 ();
-    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && MOTION != 0))) CLASSIFY_must_be_0_or_with_MOTION_1 ();
+    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && MOTION != 0))) CLASSIFY_must_be_0_or_1_and_needs_cot_motion ();
 
     localparam RECORD_W = (MOTION != 0) ? `EVCOT_MOTION_RECORD_W : `EVCOT_RECORD_W;
     localparam BEATS  = (RECORD_W + DATA_W - 1) / DATA_W;

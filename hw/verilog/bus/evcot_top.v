@@ -116,7 +116,7 @@ module evcot_top #(
     parameter_check #(.OK(WIDTH >= 1 && WIDTH <= (1 << X_W))) WIDTH_must_be_1_to_2_to_the_X_W ();
     parameter_check #(.OK(HEIGHT >= 1 && HEIGHT <= (1 << Y_W))) HEIGHT_must_be_1_to_2_to_the_Y_W ();
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 16384)) FIFO_DEPTH_must_be_1_to_16384 ();
-    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && TRACKER == `EVCOT_TRACKER_MOTION))) CLASSIFY_must_be_0_or_with_TRACKER_2_1 ();
+    parameter_check #(.OK(CLASSIFY == 0 || (CLASSIFY == 1 && TRACKER == `EVCOT_TRACKER_MOTION))) CLASSIFY_must_be_0_or_1_and_needs_cot_motion ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     // ---- reset: of everything, or of what lies between the buses -----------------------------------------------------

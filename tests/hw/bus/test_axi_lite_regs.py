@@ -49,7 +49,7 @@ def fault(device: TopDevice) -> tuple[int, int]:
 def test_the_hardware_says_what_it_is(device: TopDevice) -> None:
     registers = Registers(device)
     assert registers.id.to_bytes(4, "big") == b"EVCT"
-    assert (registers.version.major, registers.version.minor) == register_map().version
+    assert (registers.version.major, registers.version.minor) == (register_map().version[0], 0)
     assert (registers.shape, registers.filter_shape) == (BUILD.shape, BUILD.filter_shape)
     assert (registers.build.filters, registers.build.sources, registers.build.tracker) == (255, 3, 0)
     assert registers.memory.fifo_depth == 40
@@ -67,7 +67,7 @@ def test_reset_gives_every_register_of_the_banks_its_reset_value(device: TopDevi
 
 
 def test_every_address_is_known_or_answers_with_an_error(device: TopDevice) -> None:
-    known = {word.address for word in register_map().words}
+    known = {word.address for word in register_map().words if "CLASSIFY" not in word.built}
     known |= {slot_address(slot, name) for slot in range(4) for name in (*REGISTERS, "commit")}
     known |= {filter_address(name) for name in (*FILTER_REGISTERS, "commit")}
     end = 1 << register_map().address_w

@@ -108,8 +108,8 @@ def test_an_access_stands_until_answered() -> None:
 
 
 TOP = "axi_lite_words"
-WITH_ALL = {"X_W": 6, "Y_W": 16, "SOURCE": 3, "SOURCES": 0b101011, "TICKS": 3}
-WITH_LEAST = {"X_W": 9, "Y_W": 8, "SOURCE": 0, "SOURCES": 0b001001, "TICKS": 0}
+WITH_ALL = {"X_W": 6, "Y_W": 16, "SOURCE": 3, "SOURCES": 0b101011, "TICKS": 3, "CLASSIFY": 1}
+WITH_LEAST = {"X_W": 9, "Y_W": 8, "SOURCE": 0, "SOURCES": 0b001001, "TICKS": 0, "CLASSIFY": 0}
 WORDS = register_map().words
 FIELDS = [(word, field) for word in WORDS for field in word.fields]
 
@@ -125,13 +125,15 @@ def value_of(number: int | str, parameters: Mapping[str, int]) -> int:
 
 def is_built(word: Word, parameters: Mapping[str, int]) -> bool:
     """Whether a word exists with these parameters."""
+    if "CLASSIFY" in word.built:
+        return bool(parameters["CLASSIFY"])
     bits = re.findall(r"(SOURCES|TICKS)_32\[(\d)\]", word.built)
     return not word.built or any(parameters[name] >> int(bit) & 1 for name, bit in bits)
 
 
 def port(word: Word, field: Field) -> str:
-    """Of the field's value, or of the pulse that clears it."""
-    return word.port(field) + ("_clear" if field.access is Access.W1C else "")
+    """Of the field's value, or of the pulse that clears or writes it."""
+    return word.port(field) + {Access.W1C: "_clear", Access.PORT: "_write"}.get(field.access, "")
 
 
 class Model:
@@ -140,6 +142,7 @@ class Model:
     Attributes:
         kept: port of each field that software writes -> its value.
         pulses: port of each field that lasts a clock -> its value in this one.
+        new: port of a value that is written into other hardware in this clock -> that value.
     """
 
     def __init__(self, parameters: Mapping[str, int]) -> None:
@@ -147,28 +150,37 @@ class Model:
         self.kept = {
             port(word, field): value_of(field.reset, parameters) for word, field in FIELDS if field.access is Access.RW
         }
-        self.pulses = {port(word, field): 0 for word, field in FIELDS if field.access in (Access.PULSE, Access.W1C)}
+        self.pulses = {port(word, field): 0 for word, field in FIELDS if field.access not in (Access.RO, Access.RW)}
 
     def asked(self, word: Word | None, data: int, inputs: Mapping[str, int] | None = None) -> dict[str, int]:
         """What an access reads, with these values of what software only reads."""
         fields = word.fields if word else ()
         result = defaultdict(int, inputs or {}) | self.kept
+        shut = any(f.access is Access.PORT and not result[f"{word.port(f)}_ready"] for f in fields if word)
         return {
             "known": int(word is not None),
             "writable": int(word is not None and word.writable),
-            "value": sum(result[word.port(f)] << f.lsb for f in fields if word and f.access is not Access.PULSE),
+            "value": sum(
+                result[word.port(f)] << f.lsb
+                for f in fields
+                if word and f.access is not Access.PULSE and (not f.built or self.parameters["CLASSIFY"])
+            ),
             "keeps": int(word is None or not word.writable or word.kept != 0),
             "clamped": int(any(legal(f, data, self.parameters) not in (None, written(f, data)) for f in fields)),
-            "refused": int(any(legal(f, data, self.parameters) is None for f in fields)),
+            "refused": int(shut or any(legal(f, data, self.parameters) is None for f in fields)),
         }
 
-    def write(self, word: Word | None, data: int) -> None:
+    def write(self, word: Word | None, data: int, inputs: Mapping[str, int]) -> None:
         """The clock after a write, or after none."""
         self.pulses = dict.fromkeys(self.pulses, 0)
-        if word is None or self.asked(word, data)["refused"]:
+        self.new: dict[str, int] = {}
+        if word is None or self.asked(word, data, inputs)["refused"]:
             return
         for field in word.fields:
-            if field.access is not Access.RO:
+            if field.access is Access.PORT:
+                self.pulses[port(word, field)] = 1
+                self.new[f"{word.port(field)}_new"] = legal(field, data, self.parameters) or 0
+            elif field.access is not Access.RO:
                 (self.kept if field.access is Access.RW else self.pulses)[port(word, field)] = (
                     legal(field, data, self.parameters) or 0
                 )
@@ -176,14 +188,14 @@ class Model:
 
 def written(field: Field, data: int) -> int:
     """What a write says of a field: its bits of the data, but all 32 where the field is the whole word and has limits."""
-    limited = field.access is Access.RW and (field.low or field.high is not None)
+    limited = field.access in (Access.RW, Access.PORT) and (field.low or field.high is not None)
     return data if limited and not field.name else (data & field.mask) >> field.lsb
 
 
 def legal(field: Field, data: int, parameters: Mapping[str, int]) -> int | None:
     """What a write makes of a field: the nearest legal value, or None where it is refused."""
     value = written(field, data)
-    if field.access is not Access.RW:
+    if field.access not in (Access.RW, Access.PORT):
         return value
     if field.allowed:
         return value if value_of(field.allowed, parameters) >> value & 1 else None
@@ -196,7 +208,8 @@ def test_every_access_does_what_the_map_says(parameters: dict[str, int]) -> None
     rng, model, sim = np.random.default_rng(82), Model(parameters), load(TOP, parameters)
     io = sim.io
     reset(sim)
-    inputs = {word.port(field): field.bits for word, field in FIELDS if field.access in (Access.RO, Access.W1C)}
+    inputs = {word.port(field): field.bits for word, field in FIELDS if field.access not in (Access.RW, Access.PULSE)}
+    inputs |= {f"{word.port(field)}_ready": 1 for word, field in FIELDS if field.access is Access.PORT}
     known = {word.address // 4: word for word in WORDS if is_built(word, parameters)}
     seen = dict.fromkeys(("clamped", "refused"), 0)
     for number in chain(range(1 << 11), rng.choice(list(known), 6_000).tolist()):
@@ -215,7 +228,8 @@ def test_every_access_does_what_the_map_says(parameters: dict[str, int]) -> None
         io.write = int(writes)
         sim.clock.tick()
         io.write = 0
-        model.write(word if writes else None, data)
+        model.write(word if writes else None, data, given)
+        assert {name: int(io[name]) for name in model.new} == model.new
         for name in [port(word, field) for field in word.fields if field.access is not Access.RO] if word else []:
             assert io[name] == (model.kept | model.pulses)[name], f"{name}, data {data:#x}"
         seen = {name: count + reads[name] for name, count in seen.items()}

@@ -248,11 +248,11 @@ def test_without_room_a_verdict_is_lost_and_a_bit_says_so() -> None:
     decided, verdicts = golden(config, traffic, [setting])
     assert len(verdicts) > 30
     device.pace = Pace({"records": 0})
-    first = device.run(words_of(traffic)[:20_000], clocks=60_000)
+    first = device.run(words_of(traffic)[:12_000])
     assert len(first.records) == len(first.verdicts) == 0
     assert Registers(device).verdicts.lost == 1
     device.pace = Pace()
-    rest = device.run(words_of(traffic)[20_000:], quiet_clocks=100_000)
+    rest = device.run(words_of(traffic)[12_000:], quiet_clocks=100_000)
     got = np.concatenate([first.verdicts, rest.verdicts])
     kept = np.isin(verdicts["seq"], got["seq"])
     assert np.array_equal(verdicts[kept], got)
@@ -283,6 +283,8 @@ class TestBus:
             read(address) for address in range(0x380, 0x400, 4)]).commands  # fmt: skip
         known = {int(row["address"]) for row in found if not row["response"]}
         words = {word.address for word in register_map().words if 0x60 <= word.address < 0x80}
+        version = Registers(device).version
+        assert (version.major, version.minor) == register_map().version
         assert known == words | {bank_address("classifier", name) for name in (*CLASSIFIER_REGISTERS, "commit")}
 
     def test_other_registers_have_their_first_values(self) -> None:

@@ -16,9 +16,10 @@ from evcot.hardware.contract import RECORD, REGISTERS, Register, Shape
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RANGES, MOTION_RULES
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import Access, map_of, motion_addresses, register_map
+from evcot.recognition.contract import CLASSIFIER_REGISTERS
 from support.refusals import refused
 
-BANKS = {"slot": REGISTERS, "filter": FILTER_REGISTERS, **MOTION_BANKS}
+BANKS = {"slot": REGISTERS, "filter": FILTER_REGISTERS, **MOTION_BANKS, "classifier": CLASSIFIER_REGISTERS}
 
 
 class Memory:

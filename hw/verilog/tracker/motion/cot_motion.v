@@ -105,6 +105,7 @@ module cot_motion #(
     parameter_check #(.OK(TIME_W >= 32 && TIME_W <= `EVCOT_TIME_W_MAX)) TIME_W_must_be_32_to_48 ();
     parameter_check #(.OK(TIME_W > TICK_W)) TIME_W_must_be_more_than_TICK_W ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(OWNERS == 0 || OWNERS == 1)) OWNERS_must_be_0_or_1 ();
     parameter_check #(.OK(SIDE_W == REACH + 16)) SIDE_W_must_be_left_at_its_default ();
 
     localparam PX_W  = SIDE_W - 12;  // bits of a bound in pixels
