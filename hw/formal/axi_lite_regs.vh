@@ -36,6 +36,15 @@ shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
 quick = true
 
 [[tasks]]
+name = "classifier"
+parameters = { N = 8, TRACKER = 2, CLASSIFY = 1 }
+k = 2
+covers_within = 60
+cut = ["t:*block_memory*"]
+only = ["read_alone", "write_alone"]
+shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
+
+[[tasks]]
 name = "motion_64"
 parameters = { N = 64, TRACKER = 2 }
 k = 2

@@ -28,6 +28,20 @@ k = 2
 covers_within = 20
 only = ["order", "ends", "stable"]
 
+[[tasks]]
+name = "verdicts"
+parameters = { DATA_W = 64, DEPTH = 2, MOTION = 1, CLASSIFY = 1, X_W = 25, Y_W = 25 }
+k = 2
+covers_within = 30
+
+[[faults]]
+task = "verdicts"
+meaning = "a verdict goes into a record"
+right = "takes_verdict = CLASSIFY != 0 && (beat_in == {BEAT_W{1'b0}} ? s_verdict_valid : in_verdict)"
+wrong = "takes_verdict = CLASSIFY != 0 && s_verdict_valid"
+breaks = ["order"]
+within = 20
+
 [[faults]]
 task = "one"
 meaning = "a beat is written over one that has not been read"
@@ -63,8 +77,8 @@ within = 14
 [[faults]]
 task = "one"
 meaning = "a packet has a record too many"
-right = "records + 16'd1 >= packet_records"
-wrong = "records >= packet_records"
+right = "!(records + 16'd1 < packet_records)"
+wrong = "!(records < packet_records)"
 breaks = ["packet"]
 within = 24
 
@@ -76,7 +90,7 @@ wrong = "moves = !holds || !out_valid"
 breaks = ["stable", "all"]
 within = 14
 */
-// Registers of packets stay, and a record that waits stays until the clock after s_rst. One beat is marked, f_beat of any record that is accepted,
+// Registers of packets stay, and a record or a verdict that waits stays until the clock after s_rst. One beat is marked, f_beat of any record that is accepted,
 // with its place f_record in the memory. f_ahead counts the beats before it.
 (* anyconst *) wire [DATA_W-1:0]      f_word;
 (* anyconst *) wire [BEAT_W-1:0]      f_beat;
@@ -87,21 +101,26 @@ within = 14
 localparam F_W = LEVEL_W + BEAT_W + 2;
 localparam [31:0] F_BEATS = BEATS, F_ALL = BEATS * DEPTH;
 
-reg                    f_waits, f_was_stalled, f_was_source, f_just_came, f_was_last;
+reg                    f_waits, f_was_stalled, f_just_came, f_was_last;
 reg [F_W-1:0]          f_ahead, f_inside;
 reg [DATA_W-1:0]       f_was;
 reg [DATA_W/8-1:0]     f_was_keep;
-reg [BEATS*DATA_W-1:0] f_was_bytes;
+reg [BEATS*DATA_W-1:0] f_was_record, f_was_verdict;
+reg                    f_record_waits, f_verdict_waits;
 reg [BEAT_W-1:0]       f_beat_out;  // of the beat at the output, or the next there
 reg [15:0]             f_records;   // taken since the last tlast
 
 always @* assume (packet_records == f_packet_records && f_packet_records != 16'd0 && packet_wait == f_packet_wait);
-always @* assume (!f_was_source || (s_cm_valid && bytes == f_was_bytes));
+always @* assume (!f_record_waits || (s_cm_valid && bytes == f_was_record));
+always @* assume (!f_verdict_waits || (s_verdict_valid && verdict == f_was_verdict));
 always @* assume ({{(32 - RECORD_NO_W) {1'b0}}, f_record} < DEPTH && {{(32 - BEAT_W) {1'b0}}, f_beat} < BEATS);
 
-wire f_in   = s_cm_valid && s_cm_ready;
+wire [BEATS*DATA_W-1:0] f_bytes = takes_verdict ? verdict : bytes;
+wire [BEATS*DATA_W-1:0] f_was_bytes  = in_verdict ? f_was_verdict : f_was_record;
+wire                    f_was_source = in_verdict ? f_verdict_waits : f_record_waits;
+wire f_in   = (s_cm_valid && s_cm_ready) || (s_verdict_valid && s_verdict_ready);
 wire f_gone = m_axis_tvalid && m_axis_tready;
-wire f_mark = f_in && f_choose && !f_waits && to == f_record && bytes[f_beat*DATA_W +: DATA_W] == f_word;
+wire f_mark = f_in && f_choose && !f_waits && to == f_record && f_bytes[f_beat*DATA_W +: DATA_W] == f_word;
 wire f_end  = f_beat_out == LAST[BEAT_W-1:0];
 wire [F_W-1:0] f_one  = {{(F_W - 1) {1'b0}}, 1'b1};
 wire [F_W-1:0] f_leaves = {{(F_W - 1) {1'b0}}, f_gone};
@@ -111,8 +130,10 @@ always @(posedge clk) begin
     f_was         <= m_axis_tdata;
     f_was_keep    <= m_axis_tkeep;
     f_was_last    <= m_axis_tlast;
-    f_was_source  <= s_cm_valid && !s_cm_ready && !s_rst;
-    f_was_bytes   <= bytes;
+    f_record_waits  <= s_cm_valid && !s_cm_ready && !s_rst;
+    f_verdict_waits <= CLASSIFY != 0 && s_verdict_valid && !s_verdict_ready && !s_rst;
+    f_was_record  <= bytes;
+    f_was_verdict <= verdict;
     f_just_came   <= f_in;
     f_inside      <= f_inside + (f_in ? F_BEATS[F_W-1:0] : {F_W{1'b0}}) - f_leaves;
     if (f_gone) begin
@@ -128,7 +149,7 @@ always @(posedge clk) begin
         if (f_ahead == {F_W{1'b0}}) f_waits <= 1'b0;
     end
     if (rst) begin
-        {f_waits, f_was_stalled, f_was_source, f_just_came} <= 4'b0000;
+        {f_waits, f_was_stalled, f_record_waits, f_verdict_waits, f_just_came} <= 5'b00000;
         f_inside   <= {F_W{1'b0}};
         f_beat_out <= {BEAT_W{1'b0}};
         f_records  <= 16'd0;

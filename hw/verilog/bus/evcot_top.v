@@ -421,7 +421,7 @@ module evcot_top #(
         .ID_W        (ID_W),
         .SEQ_W       (SEQ_W),
         .TIME_W      (TIME_W),
-        .OWNERS      (CLASSIFY)
+        .OWNERS      ((CLASSIFY != 0) ? 1 : 0)
     ) u_filtered (
         .clk             (clk),
         .rst             (core_rst),
