@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable
+from dataclasses import astuple
 from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
@@ -20,6 +21,10 @@ from evcot.hardware.contract import Mode
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import Transport, register_map
 from evcot.hardware.streams import pack_events
+from evcot.recognition.contract import RecognitionRegisters
+from evcot.recognition.loading import load as load_weights
+from evcot.recognition.weight_memory import memory_words
+from evcot.recognition.weights import Weights
 from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.top_device import address_of, slot_address
 from evcot_cosim.pages.interfaces import DIAGRAMS
@@ -28,6 +33,7 @@ from evcot_cosim.pages.trace import Trace, play, wave
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files, search_flags
 from evcot_cosim.rtl.toolchain import find_toolchain
+from support.classifier_trials import random_network
 from support.top import device_of
 
 ROOT = Path(__file__).parents[2]
@@ -100,8 +106,8 @@ def test_the_examples_are_clean(top: str, parameters: dict[str, int]) -> None:
 
 
 @pytest.fixture(scope="module")
-def configure_in_c(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Transport], int]:
-    """configure.c, with its accesses passed to a transport."""
+def example_in_c(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., int]:
+    """The functions of configure.c by name, with their accesses passed to a transport."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler")
@@ -113,19 +119,25 @@ def configure_in_c(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Transp
     headers = [f"-I{ROOT / 'hw' / 'include'}", "-include", str(bus)]
     subprocess.run([compiler, *flags, *headers, *access, "-o", library, EXAMPLES / "configure.c"], check=True)
     loaded = ctypes.CDLL(str(library))
-    loaded.evcot_configure.restype = ctypes.c_uint32
     readers, writers = (
         ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_uint32),
         ctypes.CFUNCTYPE(None, ctypes.c_uint32, ctypes.c_uint32),
     )
 
-    def configure(transport: Transport) -> int:
+    def call(transport: Transport, function: str, *arguments: object) -> int:
         callbacks = readers(transport.read), writers(transport.write)
         for name, callback in zip(("bus_read", "bus_write"), callbacks, strict=True):
             ctypes.c_void_p.in_dll(loaded, name).value = ctypes.cast(callback, ctypes.c_void_p).value
-        return int(loaded.evcot_configure(None))
+        called = getattr(loaded, function)
+        called.restype = ctypes.c_uint32
+        return int(called(None, *arguments))
 
-    return configure
+    return call
+
+
+@pytest.fixture
+def configure_in_c(example_in_c: Callable[..., int]) -> Callable[[Transport], int]:
+    return lambda transport: example_in_c(transport, "evcot_configure")
 
 
 def example_in_python() -> ModuleType:
@@ -158,6 +170,26 @@ def test_configure_in_c_is_strict_c99_without_an_access_of_its_own(tmp_path: Pat
     function = ctypes.CDLL(str(library)).evcot_configure
     function.restype = ctypes.c_uint32
     assert function(ctypes.c_void_p(nobody.ctypes.data)) == 0xFFFF_FFFF
+
+
+def test_c_and_python_load_weights_alike(example_in_c: Callable[..., int]) -> None:
+    network = random_network(np.random.default_rng(60))
+    recognition = RecognitionRegisters(window_log2=9, scale_start=77, shift_1=3, shift_2=5, margin_min=6)
+    c, python = device_of("classifier"), device_of("classifier")
+    words = memory_words(network)
+    values = np.array(astuple(recognition), np.uint32)
+
+    def load_in_c(device: Transport, count: int = len(words)) -> int:
+        pointers = (ctypes.c_void_p(words.ctypes.data), ctypes.c_size_t(count), ctypes.c_void_p(values.ctypes.data))
+        return example_in_c(device, "evcot_load_weights", *pointers)
+
+    assert load_in_c(Nobody()) == load_in_c(c, len(words) - 1) == 0xFFFF_FFFF
+    assert load_in_c(c) == 0
+    load_weights(Registers(python), Weights(network, recognition, tuple(range(10))))
+    bank = register_map().banks["classifier"]
+    for place in (*(bank.base + 4 * register.address for register in bank.registers.values()), 0x06C):
+        assert c.read(place) == python.read(place)
+    assert Registers(c).classifier.enable == 1
 
 
 @pytest.mark.parametrize("build", ["array", "motion"])

@@ -83,6 +83,7 @@ _DEFAULT_HD = {**_DEFAULT, "CELL_PX": 2, "X_W": 11, "Y_W": 10, "WIDTH": 1280, "H
 
 _TABLE = (
     Module("evcot_top_default", "evcot_top", _DEFAULT, (8, 16, 32), (16,), asks_mhz=100),
+    Module("evcot_top_classifier", "evcot_top", {**_DEFAULT, "CLASSIFY": 1}, (8,), (8,)),
     Module("evcot_top_default_640x480", "evcot_top", _DEFAULT_VGA, (16,), (16,)),
     Module("evcot_top_default_1280x720", "evcot_top", _DEFAULT_HD, (16,), (16,)),
     Module("cot", "cot", _TICK, answer="record"),

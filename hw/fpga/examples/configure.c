@@ -45,3 +45,33 @@ uint32_t evcot_configure(volatile uint32_t *regs) {
     EVCOT_WRITE(regs, EVCOT_CONTROL, EVCOT_PUT(1, EVCOT_CONTROL_ENABLE));
     return 0;
 }
+
+/* Loads weights into the classifier of hardware with CLASSIFY = 1, reads them back, and turns it on. `words`: those of
+ * evcot.recognition.weight_memory.memory_words. `values`: registers from EVCOT_CLASSIFIER_WINDOW_LOG2 on, in their order.
+ * Returns 0, the word `fault`, or UINT32_MAX if there is no such classifier or a word reads back differently. */
+uint32_t evcot_load_weights(volatile uint32_t *regs, const uint32_t *words, size_t count, const uint32_t values[6]) {
+    if (EVCOT_GET(EVCOT_READ(regs, EVCOT_BUILD), EVCOT_BUILD_CLASSIFIER) != EVCOT_CLASSIFIER_VERSION ||
+        EVCOT_GET(EVCOT_READ(regs, EVCOT_WEIGHTS), EVCOT_WEIGHTS_NEEDED) != count)
+        return UINT32_MAX;
+    EVCOT_WRITE(regs, EVCOT_FAULT, EVCOT_READ(regs, EVCOT_FAULT));
+    EVCOT_WRITE(regs, EVCOT_CLASSIFIER_ENABLE, 0);
+    EVCOT_WRITE(regs, EVCOT_CLASSIFIER_COMMIT, 1);
+    while (EVCOT_READ(regs, EVCOT_STATUS) & EVCOT_STATUS_PENDING_MASK)
+        ;
+    EVCOT_WRITE(regs, EVCOT_WEIGHT_ADDRESS, 0);
+    for (size_t i = 0; i < count; i++)
+        EVCOT_WRITE(regs, EVCOT_WEIGHT_DATA, words[i]); /* counts the address up */
+    for (size_t i = 0; i < count; i++) {
+        EVCOT_WRITE(regs, EVCOT_WEIGHT_ADDRESS, (uint32_t)i);
+        if (EVCOT_READ(regs, EVCOT_WEIGHT_DATA) != words[i])
+            return UINT32_MAX;
+    }
+    for (uint32_t i = 0; i < 6; i++)
+        EVCOT_WRITE(regs, EVCOT_CLASSIFIER_WINDOW_LOG2 + 4 * i, values[i]);
+    EVCOT_WRITE(regs, EVCOT_CLASSIFIER_ENABLE, 1);
+    EVCOT_WRITE(regs, EVCOT_CLASSIFIER_COMMIT, 1);
+    while (EVCOT_READ(regs, EVCOT_STATUS) & EVCOT_STATUS_PENDING_MASK)
+        ;
+    const uint32_t fault = EVCOT_READ(regs, EVCOT_FAULT);
+    return fault & 0xf ? fault : 0;
+}

@@ -18,7 +18,7 @@ from evcot.hardware.motion.model import MotionModel
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import pack_events
-from evcot.recognition.contract import CLASSIFIER_REGISTERS, NONE, VERDICT_KIND, VERDICT_RECORD, RecognitionRegisters
+from evcot.recognition.contract import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD, RecognitionRegisters
 from evcot.recognition.loading import load
 from evcot.recognition.model import Classifier, Network, OwnedEvents
 from evcot.recognition.weight_memory import memory_words
@@ -39,8 +39,8 @@ from evcot_cosim.devices.top_device import (
     slot_address,
     write,
 )
-from support.classifier_trials import random_registers
 from support.classifier_trials import random_network as network_of_ten
+from support.classifier_trials import random_registers
 from support.moving import QUICK, VARIANTS, scene
 from support.top import BUILDS, device_of
 
@@ -235,8 +235,11 @@ def test_soft_reset_turns_the_classifier_off_and_keeps_weights_and_registers() -
 def test_without_room_a_verdict_is_lost_and_a_bit_says_so() -> None:
     """One slot, whose track sends a record in 1,023 events: so verdicts fill the queues before a record stops the tracker."""
     build = BUILDS["classifier of one slot"]
-    slow = replace(QUICK, nev_low=1023, nev_high=1023, report_steps=1023, birth_support=1, birth_px=0, birth_ticks=0,
-                   birth_travel=8, detect_ticks=1 << 20, life_ticks=1 << 20, coast_ticks=1 << 23, step_log2=12, gap_corrections=0)  # fmt: skip
+    slow = replace(
+        QUICK, step_log2=12, nev_low=1023, nev_high=1023, report_steps=1023, gap_corrections=0,
+        birth_support=1, birth_px=0, birth_ticks=0, birth_travel=8,
+        detect_ticks=1 << 20, life_ticks=1 << 20, coast_ticks=1 << 23,
+    )  # fmt: skip
     config = MotionConfig(build.shape, slow, filter_shape=build.filter_shape)
     rng = np.random.default_rng(35)
     device = device_of("classifier of one slot", config)
@@ -324,7 +327,9 @@ class TestBus:
     def test_enable_is_refused_until_all_words_are_loaded(self) -> None:
         device = device_of("classifier", CONFIG)
         words = memory_words(random_network(np.random.default_rng(37)))
-        device.run(commands=[write(ADDRESS, 0), *(write(DATA, int(word)) for word in words[:-1]), write(ENABLE, 1), write(COMMIT, 1)])
+        device.run(
+            commands=[write(ADDRESS, 0), *(write(DATA, int(word)) for word in words[:-1]), write(ENABLE, 1), write(COMMIT, 1)]
+        )
         assert fault(device) == (REFUSED, COMMIT)
         assert device.read(address_of("commits")) == 0
         device.run(commands=[write(ENABLE, 0), write(COMMIT, 1), SETTLED])
@@ -379,10 +384,12 @@ def test_a_weights_file_is_loaded_over_the_bus() -> None:
     for _ in range(2):  # again while it is on
         load(registers, weights)
     traffic = traffic_of(6)
-    assert_same(device.run(words_of(traffic), quiet_clocks=100_000), *golden(CONFIG, traffic, [Setting(0, recognition, weights.network)]))
+    assert_same(
+        device.run(words_of(traffic), quiet_clocks=100_000),
+        *golden(CONFIG, traffic, [Setting(0, recognition, weights.network)]),
+    )
     assert registers.classifier.enable == 1
     with pytest.raises(BusError, match="write of 0x1 at 0x0068: a value was refused"):
         registers.weight_data = 1
     values: dict[str, Any] = {name: getattr(registers.classifier, name) for name in asdict(recognition)}
     assert RecognitionRegisters(**values) == recognition
-    assert NONE == 15
