@@ -197,7 +197,7 @@ module classifier #(
 
     wire [4:0]  word;
     wire [31:0] cells;
-    wire        filled;
+    wire [3:0]  filled;
 
     classifier_image #(
         .N(N)

@@ -42,7 +42,7 @@ module classifier_evaluator #(
     // its image
     output wire [4:0]        word,
     input  wire [31:0]       cells,
-    input  wire              filled,
+    input  wire [3:0]        filled,       // by pairs of cells: else both are 0
 
     // weights, and values kept in the rows of a slot
     output wire [ROW_W-1:0]  row,
@@ -195,7 +195,7 @@ module classifier_evaluator #(
 
     classifier_sum u_sum (
         .clk      (clk),
-        .s_valid  (adds[2] && filled),
+        .s_valid  ({4{adds[2]}} & filled),
         .s_begin  (begins[2]),
         .s_weights(weights),
         .s_cells  (cells),

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The images of all slots: rules N2 and W4 of docs/recognition.md.
 //
-// A slot has 18 words of eight counters, and for each word a bit that says that it was written in this window: clearing an image
-// takes no time. There are two copies, one read by events and one by the evaluation. An event reads its word, increments a counter,
-// and writes the word; a word that an event is about to write is forwarded.
+// A slot has 18 words of four bytes, a byte has two counters and a bit that says that they count. There are two copies, one read by
+// events and one by the evaluation. An event reads its byte, increments a counter, and writes the byte; a byte that one of the two
+// events before it is about to write is forwarded. Clearing an image takes no time: a bit per word says whether the word was written
+// in this window. The event that writes a word first writes all of its bytes, and the others do not count.
 //
-// Latency:    an event is in the image 4 clocks after s_; 2 clocks from read_ to cells and `filled`.
+// Latency:    an event is in the image 3 clocks after s_; 2 clocks from read_ to cells and `filled`.
 // Throughput: 1 event and one word read per clock.
 // Stall:      none.
 // Reset:      no event is inside. The images are not reset.
@@ -30,116 +31,114 @@ module classifier_image #(
     input  wire [SLOT_W-1:0] read_slot,
     input  wire [4:0]        read_word,
     output wire [31:0]       cells,
-    output wire              filled      // low: all cells of the word are 0, whatever `cells` says
+    output wire [3:0]        filled      // by pairs of cells. Low: both are 0, whatever `cells` says
 );
 
     parameter_check #(.OK(N >= 1)) N_must_be_at_least_1 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
-    localparam WORDS  = 18;
+    localparam HALF   = 9;  // words of an image that are even, and that are odd
     localparam ADDR_W = SLOT_W + 5;
     localparam DEPTH  = 1 << ADDR_W;
 
     // ---- words written in this window --------------------------------------------------------------------------------
 
-    reg [WORDS-1:0] written [0:N-1];
+    // Of a slot's even or odd words, if one of them was: `halves` says.
+    reg [HALF-1:0] written [0:2*N-1];
+    reg [1:0]      halves  [0:N-1];
 
-    wire [WORDS-1:0] known       = s_first ? {WORDS{1'b0}} : written[s_slot];
-    wire [WORDS-1:0] this_word   = {{(WORDS - 1) {1'b0}}, 1'b1} << s_word;
-    wire [WORDS-1:0] was_written = known >> s_word;
-    wire [WORDS-1:0] to_read     = written[read_slot] >> read_word;
+    wire [1:0]      known_halves = s_first ? 2'b00 : halves[s_slot];
+    wire            known_half   = s_word[0] ? known_halves[1] : known_halves[0];
+    wire [HALF-1:0] known        = known_half ? written[{s_slot, s_word[0]}] : {HALF{1'b0}};
+    wire [HALF-1:0] this_word    = {{(HALF - 1) {1'b0}}, 1'b1} << s_word[4:1];
+    wire [HALF-1:0] was_written  = known >> s_word[4:1];
+
+    wire [1:0]      halves_to_read = halves[read_slot];
+    wire [HALF-1:0] to_read        = written[{read_slot, read_word[0]}] >> read_word[4:1];
 
     always @(posedge clk) begin
-        if (s_valid) written[s_slot] <= known | this_word;
+        if (s_valid) begin
+            written[{s_slot, s_word[0]}] <= known | this_word;
+            halves[s_slot]               <= known_halves | {s_word[0], !s_word[0]};
+        end
     end
 
     // ---- events ------------------------------------------------------------------------------------------------------
 
-    reg [4:1]        valid;      // by the clocks since s_
-    reg [ADDR_W-1:0] address_1, address_2, address_3, address_4;
-    reg [2:0]        lane_1;
-    reg [7:0]        adds_2;     // one bit per lane
-    reg              keeps_1;
-    reg              same_2;     // the word of the event before
-    reg              stored_2;   // a word of the memory
-    reg [31:0]       older_2;    // a word that one of the two events before that one has written
-    reg [31:0]       word_3, word_4;
-    wire [31:0]      word_read;
+    // By the clocks since s_.
+    reg              valid_1, valid_2;
+    reg [ADDR_W-1:0] address_1, address_2;
+    reg [1:0]        pair_1, pair_2;  // byte of the word
+    reg              lane_1, lane_2;  // cell of the pair
+    reg              opens_1, opens_2;  // first of its word
+    reg              near_1;    // the byte of the event before
+    reg              second_1;  // the byte of the event before that
+    reg              stored_1;  // its byte is in the memory
+    reg [8:0]        byte_1;
+    reg [7:0]        byte_2, byte_3;
+    reg [7:0]        byte_next;
 
-    wire same_as_2 = valid[2] && address_2 == address_1;
-    wire same_as_3 = valid[3] && address_3 == address_1;
-    wire same_as_4 = valid[4] && address_4 == address_1;
-
-    wire [31:0] word_2 = same_2 ? word_3 : stored_2 ? word_read : older_2;
-    reg  [31:0] word_next;
+    wire [ADDR_W-1:0] address_0 = {s_slot, s_word};
+    wire same_word_1 = valid_1 && address_1 == address_0;
+    wire same_word_2 = valid_2 && address_2 == address_0;
 
     always @* begin : count
         integer k;
         k = 0;  // on every path, or it would be a latch
-        word_next = word_2;
-        for (k = 0; k < 8; k = k + 1) begin
-            if (adds_2[k] && word_2[4*k +: 4] != 4'd15) word_next[4*k +: 4] = word_2[4*k +: 4] + 4'd1;
+        byte_next = byte_2;
+        for (k = 0; k < 2; k = k + 1) begin
+            if (lane_2 == k[0] && byte_2[4*k +: 4] != 4'd15) byte_next[4*k +: 4] = byte_2[4*k +: 4] + 4'd1;
         end
     end
 
     always @(posedge clk) begin
-        valid     <= {valid[3:1], s_valid};
-        address_1 <= {s_slot, s_word};
-        address_2 <= address_1;
-        address_3 <= address_2;
-        address_4 <= address_3;
-        lane_1    <= s_lane;
-        adds_2    <= 8'd1 << lane_1;
-        keeps_1   <= was_written[0];
-        same_2    <= keeps_1 && same_as_2;
-        stored_2  <= keeps_1 && !same_as_3 && !same_as_4;
-        older_2   <= same_as_3 ? word_3 : word_4;
-        if (!keeps_1) older_2 <= 32'd0;
-        word_3    <= word_next;
-        word_4    <= word_3;
-        if (rst) valid <= 4'd0;
+        {valid_1, valid_2}     <= {s_valid, valid_1};
+        {address_1, address_2} <= {address_0, address_1};
+        {pair_1, pair_2}       <= {s_lane[2:1], pair_1};
+        {lane_1, lane_2}       <= {s_lane[0], lane_1};
+        {opens_1, opens_2}     <= {!was_written[0], opens_1};
+        near_1   <= was_written[0] && same_word_1 && pair_1 == s_lane[2:1];
+        second_1 <= was_written[0] && !(same_word_1 && opens_1) && same_word_2 && pair_2 == s_lane[2:1];
+        stored_1 <= was_written[0] && !(same_word_1 && opens_1) && !(same_word_2 && opens_2);
+        byte_2   <= near_1 ? byte_next : second_1 ? byte_3 : byte_1[7:0];
+        if (!near_1 && !second_1 && !(stored_1 && byte_1[8])) byte_2 <= 8'd0;
+        byte_3   <= byte_next;
+        if (rst) {valid_1, valid_2} <= 2'b00;
     end
 
-    block_memory #(
-        .W    (32),
-        .DEPTH(DEPTH)
-    ) u_events (
-        .clk          (clk),
-        .write        (valid[3]),
-        .write_address(address_3),
-        .write_data   (word_3),
-        .read_enable  (1'b1),
-        .read_address ({s_slot, s_word}),
-        .out_enable   (1'b1),
-        .read_data    (word_read)
-    );
+    // ---- the copies --------------------------------------------------------------------------------------------------
 
-    // ---- evaluation --------------------------------------------------------------------------------------------------
+    (* no_rw_check *) reg [8:0]  counted [0:4*DEPTH-1];
+    (* no_rw_check *) reg [35:0] shown   [0:DEPTH-1];
+    reg [35:0] word_1, word_2;
+    reg        filled_1, filled_2;
 
-    reg filled_1, filled_2;
-
-    assign filled = filled_2;
+    wire [3:0] this_pair = 4'd1 << pair_2;
+    wire [3:0] writes    = valid_2 ? (opens_2 ? 4'b1111 : this_pair) : 4'b0000;
 
     always @(posedge clk) begin
-        filled_1 <= to_read[0];
+        if (writes[0]) counted[{address_2, 2'd0}] <= {this_pair[0], byte_next};
+        if (writes[1]) counted[{address_2, 2'd1}] <= {this_pair[1], byte_next};
+        if (writes[2]) counted[{address_2, 2'd2}] <= {this_pair[2], byte_next};
+        if (writes[3]) counted[{address_2, 2'd3}] <= {this_pair[3], byte_next};
+        byte_1 <= counted[{address_0, s_lane[2:1]}];
+    end
+
+    always @(posedge clk) begin
+        if (writes[0]) shown[address_2][8:0]   <= {this_pair[0], byte_next};
+        if (writes[1]) shown[address_2][17:9]  <= {this_pair[1], byte_next};
+        if (writes[2]) shown[address_2][26:18] <= {this_pair[2], byte_next};
+        if (writes[3]) shown[address_2][35:27] <= {this_pair[3], byte_next};
+        word_1   <= shown[{read_slot, read_word}];
+        word_2   <= word_1;
+        filled_1 <= (read_word[0] ? halves_to_read[1] : halves_to_read[0]) && to_read[0];
         filled_2 <= filled_1;
     end
 
-    block_memory #(
-        .W    (32),
-        .DEPTH(DEPTH)
-    ) u_evaluation (
-        .clk          (clk),
-        .write        (valid[3]),
-        .write_address(address_3),
-        .write_data   (word_3),
-        .read_enable  (1'b1),
-        .read_address ({read_slot, read_word}),
-        .out_enable   (1'b1),
-        .read_data    (cells)
-    );
+    assign cells  = {word_2[34:27], word_2[25:18], word_2[16:9], word_2[7:0]};
+    assign filled = {word_2[35], word_2[26], word_2[17], word_2[8]} & {4{filled_2}};
 
-    wire unused = &{1'b0, to_read[WORDS-1:1], was_written[WORDS-1:1]};
+    wire unused = &{1'b0, to_read[HALF-1:1], was_written[HALF-1:1]};
 
 endmodule
 

@@ -11,7 +11,7 @@
 module classifier_sum (
     input  wire               clk,
 
-    input  wire               s_valid,   // else the row adds nothing
+    input  wire        [3:0]  s_valid,   // by pairs of products: else they add nothing
     input  wire               s_begin,   // the sum begins with the next row, and this one is none
     input  wire        [63:0] s_weights, // eight, signed
     input  wire        [31:0] s_cells,   // eight, without sign
@@ -19,7 +19,7 @@ module classifier_sum (
     output reg  signed [19:0] sum
 );
 
-    wire signed [12:0] product [0:7];
+    wire signed [12:0] product [0:7];  // from -1920 to 1905: 12 bits
 
     genvar i;
     generate
@@ -36,27 +36,27 @@ module classifier_sum (
         end
     endgenerate
 
-    reg               valid_1, valid_2, valid_3;
+    reg        [3:0]  valid_1, valid_2;
     reg        [5:1]  begins;
-    reg signed [13:0] pair_0, pair_1, pair_2, pair_3;
-    reg signed [14:0] low, high;  // of four products each
-    reg signed [15:0] eight;
+    reg signed [12:0] pair_0, pair_1, pair_2, pair_3;
+    reg signed [13:0] low, high;  // of four products each
+    reg signed [14:0] eight;
 
     always @(posedge clk) begin
-        {valid_1, valid_2, valid_3} <= {s_valid, valid_1, valid_2};
-        begins                      <= {begins[4:1], s_begin};
-        pair_0 <= {product[0][12], product[0]} + {product[1][12], product[1]};
-        pair_1 <= {product[2][12], product[2]} + {product[3][12], product[3]};
-        pair_2 <= {product[4][12], product[4]} + {product[5][12], product[5]};
-        pair_3 <= {product[6][12], product[6]} + {product[7][12], product[7]};
-        low   <= {pair_0[13], pair_0} + {pair_1[13], pair_1};
-        high  <= {pair_2[13], pair_2} + {pair_3[13], pair_3};
-        eight <= {low[14], low} + {high[14], high};
-        if (!valid_3) begin
-            low  <= 15'sd0;
-            high <= 15'sd0;
-        end
-        sum <= sum + {{4{eight[15]}}, eight};
+        {valid_1, valid_2} <= {s_valid, valid_1};
+        begins             <= {begins[4:1], s_begin};
+        pair_0 <= product[0] + product[1];
+        pair_1 <= product[2] + product[3];
+        pair_2 <= product[4] + product[5];
+        pair_3 <= product[6] + product[7];
+        if (!valid_2[0]) pair_0 <= 13'sd0;
+        if (!valid_2[1]) pair_1 <= 13'sd0;
+        if (!valid_2[2]) pair_2 <= 13'sd0;
+        if (!valid_2[3]) pair_3 <= 13'sd0;
+        low    <= {pair_0[12], pair_0} + {pair_1[12], pair_1};
+        high   <= {pair_2[12], pair_2} + {pair_3[12], pair_3};
+        eight  <= {low[13], low} + {high[13], high};
+        sum    <= sum + {{5{eight[14]}}, eight};
         if (begins[5]) sum <= 20'sd0;
     end
 

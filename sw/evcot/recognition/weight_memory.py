@@ -24,12 +24,18 @@ ROWS = (_MOMENTS + HIDDEN) * _WORDS + _NINTH_FIRST + 10
 REGISTER_ADDRESSES = {name: at for at, name in enumerate(("enable", *(each.name for each in fields(RecognitionRegisters))))}
 
 
+def _cells() -> NDArray[np.int64]:
+    """The cell of each lane, word by word: columns 0 to 7 of each row, then columns 8 to 11 of two rows at a time."""
+    cells = np.arange(CELLS**2).reshape(CELLS, CELLS)
+    return np.concatenate((cells[:, :_LANES].ravel(), cells[:, _LANES:].ravel()))
+
+
 def memory_words(network: Network) -> NDArray[np.uint32]:
     """All words, (ROWS * BANKS,): word 4 r + b is that of row r and bank b."""
     half_cells = 2 * np.arange(CELLS) - CELLS + 1
     v, u = np.repeat(half_cells, CELLS), np.tile(half_cells, CELLS)
     moments = np.stack((u, 9 - 2 * abs(u), v, 9 - 2 * abs(v), np.where(v > 0, u, -u)))
-    units = np.concatenate((moments, network.w1.T.astype(np.int64)))
+    units = np.concatenate((moments, network.w1.T.astype(np.int64)))[:, _cells()]
     lanes = np.zeros((ROWS, _LANES + 1), np.int64)
     lanes[: units.size // _LANES, :_LANES] = units.reshape(-1, _LANES)
     for j, weights in enumerate(network.w2):
