@@ -196,6 +196,7 @@ module classifier #(
     );
 
     wire [4:0]  word;
+    wire [8:0]  word_bit;
     wire [31:0] cells;
     wire [3:0]  filled;
 
@@ -211,6 +212,7 @@ module classifier #(
         .s_lane   (cell_lane),
         .read_slot(window_slot),
         .read_word(word),
+        .read_bit (word_bit),
         .cells    (cells),
         .filled   (filled)
     );
@@ -268,6 +270,7 @@ module classifier #(
         .s_young    (window_young),
         .s_done     (window_done),
         .word       (word),
+        .word_bit   (word_bit),
         .cells      (cells),
         .filled     (filled),
         .row        (row),

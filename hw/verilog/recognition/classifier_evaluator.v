@@ -41,6 +41,7 @@ module classifier_evaluator #(
 
     // its image
     output wire [4:0]        word,
+    output wire [8:0]        word_bit,     // bit word / 2
     input  wire [31:0]       cells,
     input  wire [3:0]        filled,       // by pairs of cells: else both are 0
 
@@ -87,6 +88,7 @@ module classifier_evaluator #(
     reg             in_rows, in_votes;
     reg [5:0]       unit;
     reg [4:0]       word_reg;
+    reg [8:0]       word_bit_reg;
     reg [ROW_W-1:0] row_reg;
     reg [4:0]       step;
 
@@ -96,15 +98,18 @@ module classifier_evaluator #(
     wire is_class  = in_votes && !s_young && step >= STEP_CLASS && step <= STEP_LAST;
     wire [3:0] class_0 = step[3:0] - STEP_CLASS[3:0];
 
-    assign word   = word_reg;
+    assign word     = word_reg;
+    assign word_bit = word_bit_reg;
     assign s_done = in_votes && step == STEP_DONE;
 
     always @(posedge clk) begin
         if (in_rows) begin
             word_reg <= word_reg + 5'd1;
+            if (word_reg[0]) word_bit_reg <= word_bit_reg << 1;
             if (!on_field) row_reg <= row_reg + 1'b1;
             if (on_field) begin
-                word_reg <= 5'd0;
+                word_reg     <= 5'd0;
+                word_bit_reg <= 9'd1;
                 unit     <= unit + 6'd1;
             end
             if (rows_end) begin
@@ -116,10 +121,11 @@ module classifier_evaluator #(
             step     <= step + 5'd1;
             in_votes <= !s_done;
         end else begin
-            in_rows  <= s_valid;
-            unit     <= 6'd0;
-            word_reg <= 5'd0;
-            row_reg  <= {ROW_W{1'b0}};
+            in_rows      <= s_valid;
+            unit         <= 6'd0;
+            word_reg     <= 5'd0;
+            word_bit_reg <= 9'd1;
+            row_reg      <= {ROW_W{1'b0}};
         end
         if (rst) {in_rows, in_votes} <= 2'b00;
     end
