@@ -165,8 +165,9 @@ module classifier #(
         .head_done  (window_done)
     );
 
-    wire [4:0]        fit_field;
-    wire [11:0]       fit_value;
+    wire              skew_valid;
+    wire [7:0]        skew;
+    wire [71:0]       fields;  // of the slot of the event three clocks before
     wire              cell_valid, cell_first;
     wire [SLOT_W-1:0] cell_slot;
     wire [4:0]        cell_word;
@@ -178,16 +179,19 @@ module classifier #(
     ) u_cell (
         .clk        (clk),
         .rst        (rst),
-        .scale_start(scale_start),
         .s_valid    (counts),
         .s_slot     (slot_s1),
         .s_dx       (dx_s1),
         .s_dy       (dy_s1),
         .s_first    (first),
         .s_young    (young),
-        .fit_field  (fit_field),
-        .fit_slot   (window_slot),
-        .fit_value  (fit_value),
+        .scale_x    (fields[11:0]),
+        .scale_y    (fields[29:18]),
+        .off_u      (fields[46:36]),
+        .off_v      (fields[64:54]),
+        .skew_valid (skew_valid),
+        .skew_slot  (window_slot),
+        .skew_value (skew),
         .m_valid    (cell_valid),
         .m_slot     (cell_slot),
         .m_first    (cell_first),
@@ -219,33 +223,49 @@ module classifier #(
 
     // ---- evaluation --------------------------------------------------------------------------------------------------
 
-    wire [ROW_W-1:0] row, keep_row;
+    // Rows that the evaluation writes, classifier_evaluator.v says why, and that events read.
+    localparam [ROW_W-1:0] ROW_START  = 767;
+    localparam [3:0]       ROW_EVENTS = 4'd11;
+
+    wire [ROW_W-1:0] event_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
+        | {{(ROW_W - 4 - SLOT_W) {1'b0}}, slot_s1, ROW_EVENTS};
+    reg  [ROW_W-1:0] event_row_s2;
+    reg  [1:0]       bank_1, bank_2;
+    wire [3:0]       this_bank = 4'd1 << weight_address[1:0];
+    wire [ROW_W-1:0] row;
+    wire [3:0]       row_write;
+    wire [14:0]      row_data;
+    wire [71:0]      kept;
     wire [63:0]      weights;
     wire [7:0]       ninth;
-    wire [14:0]      kept, keep_value;
-    wire             keep;
-    wire [71:0]      banks;
-    reg  [1:0]       bank_1, bank_2;
 
-    assign weight_read = banks[18*bank_2 +: 18];
-
-    always @(posedge clk) {bank_1, bank_2} <= {weight_address[1:0], bank_1};
+    always @(posedge clk) begin
+        event_row_s2     <= young ? ROW_START : event_row;
+        {bank_1, bank_2} <= {weight_address[1:0], bank_1};
+    end
 
     classifier_weights #(
         .ROW_W(ROW_W)
     ) u_weights (
-        .clk          (clk),
-        .write        (weight_valid && weight_ready),
-        .write_address(weight_address),
-        .write_data   (weight_data),
-        .keep         (keep),
-        .keep_row     (keep_row),
-        .keep_value   (keep_value),
-        .read_row     (enable ? row : weight_address[ROW_W+1:2]),
-        .weights      (weights),
-        .ninth        (ninth),
-        .kept         (kept),
-        .banks        (banks)
+        .clk      (clk),
+        .a_write  ((weight_valid && weight_ready) ? this_bank : 4'd0),
+        .a_row    (enable ? event_row_s2 : weight_address[ROW_W+1:2]),
+        .a_data   (weight_data),
+        .a_banks  (fields),
+        .b_write  (row_write),
+        .b_row    (row),
+        .b_data   ({3'd0, row_data}),
+        .b_banks  (kept),
+        .b_weights(weights),
+        .b_ninth  (ninth)
+    );
+
+    mux4 #(
+        .W(18)
+    ) u_read (
+        .select(bank_2),
+        .words (fields),
+        .y     (weight_read)
     );
 
     wire        verdict_valid, verdict_ready;
@@ -276,12 +296,11 @@ module classifier #(
         .row        (row),
         .weights    (weights),
         .ninth      (ninth),
-        .kept       (kept),
-        .keep       (keep),
-        .keep_row   (keep_row),
-        .keep_value (keep_value),
-        .fit_field  (fit_field),
-        .fit_value  (fit_value),
+        .kept       (kept[14:0]),
+        .row_write  (row_write),
+        .row_data   (row_data),
+        .skew_valid (skew_valid),
+        .skew       (skew),
         .m_valid    (verdict_valid),
         .m_class    (verdict_class),
         .m_margin   (verdict_margin),
@@ -310,7 +329,7 @@ module classifier #(
     assign lost = verdict_valid && !verdict_ready;
     assign idle = cfg_ready && !valid_s1 && !m_valid;
 
-    wire unused = &{1'b0, level};
+    wire unused = &{1'b0, level, kept[71:15], fields[17:12], fields[35:30], fields[53:47], fields[71:65]};
 
 endmodule
 

@@ -4,17 +4,20 @@
 // A unit is a sum over 18 rows of the weights, each read with a word of the image. Units 0 to 4 are the moments of the fit, whose
 // weights are constants, units 5 to 36 the hidden layer. classifier_sum.v forms all sums. One more multiplier corrects the
 // normalisation with the moments, and then multiplies hidden units with the second layer's weights: the ninth weights in the last
-// ten rows of the next unit. One shifter serves shift_1, shift_2 and the fit. After a moment the field that it corrects is read.
-// The fields and the votes are in the rows of the slot, behind the weights.
+// ten rows of the next unit. Then the scores are read for the largest, and once more for the losses and votes, two clocks a class.
+// The fields of the normalisation and the votes are in the rows of the slot, behind the weights.
 //
-// Cycles within a window count from the one in which the last word of a unit is addressed: weights and cells come in cycle 2, the
-// sum in 8, a hidden unit in 11; of a moment its product in 10, the correction in 12, the field in 14.
+// Units 0 to 5 have three clocks more, words 18 to 20: the field that the moment before has corrected is written, first where the
+// evaluation reads it, then where events do, and the field that this moment corrects is read.
 //
-// Latency:    746 clocks a window, 112 the first one of a track. Rule Q3 asks for at most 768.
+// Cycles count from the one in which the last word of a unit is addressed: weights and cells come in cycle 2, the sum in 8, a hidden
+// unit in 11; of a moment its product in 11, the field in 22. In the votes they count from the clock in which a class has its turn.
+//
+// Latency:    744 clocks a window, 157 the first one of a track. Rule Q3 asks for at most 768.
 // Throughput: 1 window at a time.
 // Stall:      none.
 // Reset:      ends the evaluation.
-// Combinational paths: from s_slot to row and keep_row, from s_young to keep_value and m_valid.
+// Combinational paths: from s_slot and s_young to row, from scale_start to row_data, from s_young to m_valid.
 `default_nettype none
 
 module classifier_evaluator #(
@@ -45,18 +48,17 @@ module classifier_evaluator #(
     input  wire [31:0]       cells,
     input  wire [3:0]        filled,       // by pairs of cells: else both are 0
 
-    // weights, and values kept in the rows of a slot
+    // rows of the weights
     output wire [ROW_W-1:0]  row,
     input  wire [63:0]       weights,
     input  wire [7:0]        ninth,
-    input  wire [14:0]       kept,
-    output wire              keep,
-    output wire [ROW_W-1:0]  keep_row,
-    output wire [14:0]       keep_value,
+    input  wire [14:0]       kept,         // what a row of a slot has in bank 0
+    output wire [3:0]        row_write,    // by banks
+    output wire [14:0]       row_data,
 
-    // a new value of one field of the normalisation
-    output wire [4:0]        fit_field,
-    output wire [11:0]       fit_value,
+    // a new skew
+    output wire              skew_valid,
+    output wire [7:0]        skew,
 
     // verdict, with s_done
     output wire              m_valid,
@@ -69,135 +71,161 @@ module classifier_evaluator #(
     parameter_check #(.OK(ROW_W >= ((N > 16) ? 11 : 10))) ROW_W_must_be_at_least_10_or_11_beyond_16_slots ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
-    localparam [5:0] HIDDEN_FIRST = 6'd5;   // units: moments before it,
-    localparam [5:0] OUTPUT_LAST  = 6'd37;  // and behind the last hidden one the last weights of the second layer
-    localparam [4:0] WORD_LAST    = 5'd17;  // of an image
-    localparam [4:0] NINTH_FIRST  = 5'd8, NINTH_LAST = 5'd17;  // words with weights of the hidden unit before
-    localparam [3:0] KEPT_FIELDS  = 4'd10;  // rows of a slot: votes, fields, and the number of windows in the vote
-    localparam [3:0] KEPT_VOTED   = 4'd15;
-    localparam [7:0] VOTED_MAX    = 8'd128;
-
-    // Steps of the vote.
-    localparam [4:0] STEP_CLASS = 5'd6;   // the first class is read; then the largest score is known
-    localparam [4:0] STEP_YOUNG = 5'd8;   // where a window without verdict begins: the last field takes as long
-    localparam [4:0] STEP_LAST  = 5'd15;  // the last class
-    localparam [4:0] STEP_DONE  = 5'd23;
+    localparam [5:0] FIT_LAST    = 6'd5;   // unit: the field of the last moment is written in it
+    localparam [5:0] OUTPUT_LAST = 6'd37;  // unit: the weights of the last hidden unit are read in it
+    localparam [4:0] WORD_LAST   = 5'd17;  // of an image
+    localparam [4:0] FIELD_WRITE = 5'd18, EVENTS_WRITE = 5'd19, FIELD_READ = 5'd20;
+    localparam [4:0] CLASS_FIRST = 5'd8;   // word with the ninth weight of the first class, up to WORD_LAST
+    localparam [4:0] VOTES_FIRST = 5'd30;  // word in which the votes begin: with entry 15, then 0, by two words
+    localparam [4:0] VOTES_LAST  = 5'd28;
+    localparam [3:0] ROW_FIELDS  = 4'd10;  // rows of a slot: votes, fields, and the number of windows in the vote
+    localparam [3:0] ROW_EVENTS  = 4'd11;  // with the fields for events, and the scale of x for the evaluation
 
     // ---- sequence ----------------------------------------------------------------------------------------------------
 
-    reg             in_rows, in_votes;
+    reg             running;
+    reg             fitting;  // units 0 to 5
+    reg             scoring;  // the largest score is looked for
+    reg             voting;
     reg [5:0]       unit;
     reg [4:0]       word_reg;
     reg [8:0]       word_bit_reg;
     reg [ROW_W-1:0] row_reg;
-    reg [4:0]       step;
+    reg [3:0]       field_row;
 
-    wire in_moment = unit < HIDDEN_FIRST;
-    wire on_field  = word_reg == WORD_LAST + 5'd1;  // after the words of a moment
-    wire rows_end  = (s_young && unit == HIDDEN_FIRST - 6'd1 && on_field) || (unit == OUTPUT_LAST && word_reg == NINTH_LAST);
-    wire is_class  = in_votes && !s_young && step >= STEP_CLASS && step <= STEP_LAST;
-    wire [3:0] class_0 = step[3:0] - STEP_CLASS[3:0];
+    wire behind    = fitting && word_reg[4] && |word_reg[2:1];  // the words
+    wire fit_ends  = fitting && word_reg == FIELD_READ;
+    wire unit_ends = fit_ends || (!fitting && !voting && word_reg == WORD_LAST);
+    wire hidden    = running && !fitting && !scoring && !voting;
+    wire to_vote   = unit_ends && (scoring || (s_young && unit == FIT_LAST));
+    wire to_score  = unit_ends && hidden && unit == OUTPUT_LAST;
 
     assign word     = word_reg;
     assign word_bit = word_bit_reg;
-    assign s_done = in_votes && step == STEP_DONE;
+    assign s_done   = voting && word_reg == VOTES_LAST;
 
     always @(posedge clk) begin
-        if (in_rows) begin
-            word_reg <= word_reg + 5'd1;
-            if (word_reg[0]) word_bit_reg <= word_bit_reg << 1;
-            if (!on_field) row_reg <= row_reg + 1'b1;
-            if (on_field) begin
-                word_reg     <= 5'd0;
-                word_bit_reg <= 9'd1;
-                unit     <= unit + 6'd1;
-            end
-            if (rows_end) begin
-                in_rows  <= 1'b0;
-                in_votes <= 1'b1;
-                step     <= s_young ? STEP_YOUNG : 5'd0;
-            end
-        end else if (in_votes) begin
-            step     <= step + 5'd1;
-            in_votes <= !s_done;
-        end else begin
-            in_rows      <= s_valid;
+        word_reg <= word_reg + 5'd1;
+        if (word_reg[0]) word_bit_reg <= word_bit_reg << 1;
+        if (!behind) row_reg <= row_reg + 1'b1;
+        if (fitting && word_reg == EVENTS_WRITE) field_row <= field_row + 4'd1;
+        if (unit_ends) begin
+            word_reg     <= to_vote ? VOTES_FIRST : to_score ? CLASS_FIRST : 5'd0;
+            word_bit_reg <= 9'd1;
+            unit         <= unit + 6'd1;
+            if (unit == FIT_LAST) fitting <= 1'b0;
+            scoring <= to_score;
+            voting  <= to_vote;
+        end
+        if (s_done) {running, voting} <= 2'b00;
+        if (!running) begin
+            running      <= s_valid;
+            fitting      <= s_valid;
             unit         <= 6'd0;
             word_reg     <= 5'd0;
             word_bit_reg <= 9'd1;
             row_reg      <= {ROW_W{1'b0}};
+            field_row    <= ROW_FIELDS - 4'd1;
         end
-        if (rst) {in_rows, in_votes} <= 2'b00;
+        if (rst) {running, fitting, scoring, voting} <= 4'b0000;
     end
-
-    // The rows of slots are the last ones.
-    function [ROW_W-1:0] slot_row;
-        input [SLOT_W-1:0] slot;
-        input [3:0]        index;
-        slot_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
-            | {{(ROW_W - 4 - SLOT_W) {1'b0}}, slot, index};
-    endfunction
-
-    wire [3:0] field_index = KEPT_FIELDS + {1'b0, unit[2:0]};
 
     // ---- what is under way, by cycle ---------------------------------------------------------------------------------
 
     reg [2:1]  adds, begins;  // rows of a sum
-    reg [8:1]  ends_moment;
-    reg [10:1] ends_hidden;
-    reg [2:1]  reads_field;
-    reg [14:9] fits;
+    reg [11:1] ends;          // of a unit's words
+    reg [2:1]  hidden_d;
+    reg [3:1]  first_hidden;
     reg [4:1]  multiplies;    // with weights of the second layer
-    reg [2:1]  reads_voted;
-    reg [5:1]  is_class_d;
-    reg [19:0] class_d;       // class_0 of the last five clocks
+    reg [4:1]  scores;        // is compared with the largest
+    reg [5:1]  reads_field;
+    reg [8:1]  has_turn;      // in the votes
+    reg [3:0]  class_1, class_2, class_3, class_4, class_5, class_6, class_7, class_8;
+    reg [8:5]  counts;        // the class is one of `classes`
 
-    wire is_ninth = in_rows && unit > HIDDEN_FIRST && word_reg >= NINTH_FIRST && word_reg <= NINTH_LAST;
-    wire [3:0] ninth_0 = word_reg[3:0] - NINTH_FIRST[3:0];
+    wire [3:0] class_0  = voting ? word_reg[4:1] : {!word_reg[3], word_reg[2:0]};
+    wire       is_ninth = word_reg[4] || word_reg[3];
 
     always @(posedge clk) begin
-        adds        <= {adds[1], in_rows && !on_field};
-        begins      <= {begins[1], on_field || !in_rows};
-        ends_moment <= {ends_moment[7:1], in_rows && in_moment && word_reg == WORD_LAST};
-        ends_hidden <= {ends_hidden[9:1], in_rows && !in_moment && word_reg == WORD_LAST};
-        reads_field <= {reads_field[1], in_rows && on_field};
-        fits        <= {fits[13:9], ends_moment[8]};
-        multiplies  <= {multiplies[3:1], is_ninth};
-        reads_voted <= {reads_voted[1], in_votes && step == 5'd0};
-        is_class_d  <= {is_class_d[4:1], is_class};
-        class_d     <= {class_d[15:0], class_0};
+        adds         <= {adds[1], running && !behind};
+        begins       <= {begins[1], word_reg == 5'd0};
+        ends         <= {ends[10:1], word_reg == WORD_LAST};
+        hidden_d     <= {hidden_d[1], hidden};
+        first_hidden <= {first_hidden[2:1], unit == FIT_LAST + 6'd1};
+        multiplies   <= {multiplies[3:1], hidden && is_ninth};
+        scores       <= {scores[3:1], scoring};
+        reads_field  <= {reads_field[4:1], fit_ends};
+        has_turn     <= {has_turn[7:1], voting && !word_reg[0] && !(word_reg[4] && word_reg[2] && !word_reg[3])};
+        {class_1, class_2, class_3, class_4} <= {class_0, class_1, class_2, class_3};
+        {class_5, class_6, class_7, class_8} <= {class_4, class_5, class_6, class_7};
+        counts <= {counts[7:5], class_4 < classes};
         if (rst) begin
-            fits        <= 6'd0;
-            ends_moment <= 8'd0;
-            is_class_d  <= 5'd0;
+            multiplies <= 4'd0;
+            scores     <= 4'd0;
+            has_turn   <= 8'd0;
         end
     end
 
-    assign row = in_rows ? (on_field ? slot_row(s_slot, field_index) : row_reg)
-        : slot_row(s_slot, is_class_d[2] ? class_d[7:4] : KEPT_VOTED);
+    // ---- rows --------------------------------------------------------------------------------------------------------
+
+    // The rows of slots are the last ones. The one before them has the scale of a track's first window, and is written without end
+    // while no window is evaluated.
+    localparam [ROW_W-1:0] ROW_START = 767;
+
+    wire       of_slot  = behind || voting;
+    wire       of_start = !running || (fitting && s_young && word_reg == FIELD_READ);
+    wire [3:0] index    = voting ? (word_reg[0] ? class_3 : class_8)
+        : (word_reg == EVENTS_WRITE) ? ROW_EVENTS : field_row;
+
+    wire [ROW_W-1:0] slot_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
+        | {{(ROW_W - 4 - SLOT_W) {1'b0}}, s_slot, index};
+
+    assign row = of_start ? ROW_START : of_slot ? slot_row : row_reg;
+
+    // From cycle 4 of moment m to 24, `unit` is m + 1.
+    wire is_scale     = unit[2:0] == 3'd2 || unit[2:0] == 3'd4;
+    wire is_skew      = unit[2:0] == 3'd5;
+    wire writes_field = fitting && unit[2:0] != 3'd0 && word_reg == FIELD_WRITE;
+    wire for_events   = fitting && word_reg == EVENTS_WRITE;
+    wire writes_vote  = voting && has_turn[8];
+
+    wire [11:0] value;
+    wire [14:0] vote;
+
+    assign row_write  = {for_events && unit[2:0] == 3'd3, for_events && unit[2:0] == 3'd1,
+        !running || (for_events && unit[2:0] == 3'd4), !running || writes_field || writes_vote};
+    assign row_data   = {vote[14:12], (running ? 12'd0 : scale_start) | value | vote[11:0]};
+    assign skew_valid = for_events && is_skew;
+    assign skew       = value[7:0];
 
     // ---- the field that a moment corrects ----------------------------------------------------------------------------
 
-    // From cycle 2 of moment m to 20, `unit` is m + 1.
-    wire after_scale = unit == 6'd2 || unit == 6'd4;
-    wire after_skew  = unit == 6'd5;
     reg [11:0] field;
-    reg [3:0]  fit_shift;
+    reg [12:0] factor;     // of the moment. Offsets and skew: in units that the shift after a scale's product suits too
+    reg [2:0]  fit_shift;
 
     always @(posedge clk) begin
         if (reads_field[2]) begin
             field <= kept[11:0];
-            if (s_young) field <= after_scale ? scale_start : 12'd0;
+            if (s_young && !is_scale) field <= 12'd0;
         end
-        fit_shift <= window_log2 - (s_young ? 4'd7 : 4'd5);
+        factor <= 13'd0;
+        if (is_scale) factor <= {1'b0, field};
+        if (is_skew) factor[8] <= 1'b1;
+        if (!is_scale && !is_skew) factor[10] <= 1'b1;
+        if (!fitting) factor <= 13'd0;
+        fit_shift <= window_log2[2:0] - (s_young ? 3'd7 : 3'd5);
     end
 
     // ---- sums, and the one multiplier for all else -------------------------------------------------------------------
 
-    wire signed [19:0] sum;
-    reg         [7:0]  amount;    // a hidden unit, or a loss
+    wire        [19:0] sum;
+    reg         [15:0] moment;
+    reg         [7:0]  amount;     // a hidden unit, or a loss
     reg         [7:0]  voted;
+    reg         [7:0]  least_mean; // margin_min while votes are counted
     wire signed [28:0] product;
+    wire        [12:0] ninth_13 = {{5{ninth[7]}}, ninth} & {13{hidden_d[2]}};
 
     classifier_sum u_sum (
         .clk      (clk),
@@ -208,113 +236,135 @@ module classifier_evaluator #(
         .sum      (sum)
     );
 
-    wire limits = in_votes && step[4];  // the last class is read: the multiplier computes the least margin
-
-    // Offsets and skew are corrected by their moment alone, in units that the shift after a scale's product suits too.
-    wire signed [12:0] factor = ends_moment[8] ? (after_scale ? {1'b0, field} : after_skew ? 13'sd256 : 13'sd1024)
-        : limits ? {5'd0, margin_min} : {{5{ninth[7]}}, ninth};
-
+    // What does not count is 0.
     multiplier #(
         .A_W(13),
         .B_W(16)
     ) u_product (
         .clk(clk),
-        .a  (factor),
-        .b  (ends_moment[8] ? sum[15:0] : {8'd0, limits ? voted : amount}),
+        .a  (ninth_13 | factor | {5'd0, least_mean}),
+        .b  ({moment[15:8], moment[7:0] | (voting ? voted : amount)}),
         .p  (product)
     );
 
-    // ---- scores ------------------------------------------------------------------------------------------------------
-
-    reg signed [20:0] score [0:15];
-    reg signed [20:0] score_now, score_most;
-    reg        [11:0] ninth_class;  // ninth_0 of the last three clocks
-    reg               is_first;     // of the classes
-    reg        [4:1]  adds_first;   // hidden unit
-    reg        [4:1]  adds_last;
-    reg               is_most;      // score_now counts for the largest
-
-    // One read port: of the class whose product comes, or of the one that is voted for.
-    reg         [3:0]  scored;
-    wire signed [20:0] score_read = score[scored];
-    wire signed [20:0] score_next = (adds_first[4] ? 21'sd0 : score_read) + {{5{product[15]}}, product[15:0]};
-    wire signed [21:0] distance = {score_most[20], score_most} - {score_read[20], score_read};
-
     always @(posedge clk) begin
-        ninth_class <= {ninth_class[7:0], ninth_0};
-        scored      <= multiplies[3] ? ninth_class[11:8] : class_0;
-        adds_first  <= {adds_first[3:1], unit == HIDDEN_FIRST + 6'd1};
-        adds_last   <= {adds_last[3:1], unit == OUTPUT_LAST};
-        if (multiplies[4]) score[scored] <= score_next;
-        score_now <= score_next;
-        is_first  <= scored == 4'd0;
-        is_most   <= multiplies[4] && adds_last[4] && scored < classes;
-        if (is_most && (is_first || score_most < score_now)) score_most <= score_now;
+        moment     <= fitting ? sum[15:0] : 16'd0;
+        least_mean <= voting ? margin_min : 8'd0;
     end
 
-    // ---- the shifter -------------------------------------------------------------------------------------------------
+    // ---- scores ------------------------------------------------------------------------------------------------------
 
-    reg signed [21:0] shifted;
-    reg signed [21:0] operand;
-    reg        [3:0]  shift;
+    reg  [20:0] score [0:15];
+    reg  [20:0] score_4, score_most;
+    wire [21:0] score_next;
+
+    classifier_score #(
+        .W(22)
+    ) u_score (
+        .minus  (!multiplies[4]),
+        .score  ({score_4[20], score_4}),
+        .product({{6{product[15]}}, product[15:0]}),
+        .most   ({score_most[20], score_most}),
+        .y      (score_next)
+    );
 
     always @(posedge clk) begin
-        operand <= fits[10] ? {{3{product[28]}}, product[28:10]} : is_class_d[1] ? distance : {{2{sum[19]}}, sum};
-        shift   <= fits[10] ? fit_shift : is_class_d[1] ? shift_2 : shift_1;
-        shifted <= operand >>> shift;
-        if (ends_hidden[10] || is_class_d[3]) begin
-            amount <= shifted[21] ? 8'd0 : |shifted[20:8] ? 8'd255 : shifted[7:0];
-        end
+        score_4 <= score[class_3];
+        if (first_hidden[3]) score_4 <= 21'd0;
+        if (multiplies[4]) score[class_4] <= score_next[20:0];
+        if (scores[4] && class_4 < classes && (class_4 == 4'd0 || score_next[21])) score_most <= score_4;
+    end
+
+    // ---- hidden units and losses: shifted, and limited to 0 to 255 ---------------------------------------------------
+
+    wire [20:0] operand = voting ? score_next[20:0] : {1'b0, sum[19:0]};
+    wire        sign    = !voting && sum[19];
+    wire [3:0]  shift   = voting ? shift_2 : shift_1;
+    wire [10:0] coarse_0;
+    wire [7:0]  fine_0;
+    reg  [10:0] coarse;
+    reg  [1:0]  coarse_shift, fine_shift;
+    reg  [2:0]  rest;       // operand has bits from 11, 15, 19 on
+    reg  [1:0]  negative;
+    reg  [7:0]  fine;
+    reg         is_beyond;
+
+    mux4 #(
+        .W(11)
+    ) u_coarse (
+        .select(shift[3:2]),
+        .words ({2'b00, operand[20:12], operand[18:8], operand[14:4], operand[10:0]}),
+        .y     (coarse_0)
+    );
+
+    mux4 #(
+        .W(8)
+    ) u_fine (
+        .select(fine_shift),
+        .words ({coarse[10:3], coarse[9:2], coarse[8:1], coarse[7:0]}),
+        .y     (fine_0)
+    );
+
+    always @(posedge clk) begin
+        coarse       <= coarse_0;
+        coarse_shift <= shift[3:2];
+        fine_shift   <= shift[1:0];
+        rest         <= {|operand[20:19], |operand[18:15], |operand[14:11]};
+        negative     <= {negative[0], sign};
+        fine         <= fine_0;
+        is_beyond    <= (rest[2] && coarse_shift != 2'd3) || (rest[1] && !coarse_shift[1]) || (rest[0] && coarse_shift == 2'd0)
+            || (coarse[10] && fine_shift != 2'd3) || (coarse[9] && !fine_shift[1]) || (coarse[8] && fine_shift == 2'd0);
+        if (ends[10] || voting) amount <= fine | {8{is_beyond}};
+        if (ends[10] && negative[1]) amount <= 8'd0;
+        if (voting && class_6 == 4'd15) amount <= {7'd0, !s_young};  // a window more
+        if (fitting) amount <= 8'd0;
     end
 
     // ---- fit ---------------------------------------------------------------------------------------------------------
 
     classifier_fit u_fit (
-        .clk       (clk),
-        .is_scale  (after_scale),
-        .is_skew   (after_skew),
-        .field     (field),
-        .correction(shifted[17:0]),
-        .value     (fit_value)
+        .clk      (clk),
+        .clears   (!fitting),
+        .is_scale (is_scale),
+        .is_skew  (is_skew),
+        .field    (field),
+        .s_valid  (ends[11]),
+        .s_product(product[28:10]),
+        .s_shift  (fit_shift),
+        .value    (value)
     );
-
-    genvar f;
-    generate
-        for (f = 0; f < 5; f = f + 1) begin : g_field
-            assign fit_field[f] = fits[14] && unit == f + 1;
-        end
-    endgenerate
 
     // ---- vote --------------------------------------------------------------------------------------------------------
 
-    reg  [7:0]  voted_before;  // 0: none since the first window of the track
-    wire        halves = voted_before == VOTED_MAX;
-    wire [14:0] vote;
+    reg         blank, halves;
+    reg  [14:0] before;
+    wire [14:0] vote_8;
     wire [3:0]  winner;
 
     always @(posedge clk) begin
-        if (reads_voted[2]) voted_before <= kept[7:0];
-        voted <= (halves ? VOTED_MAX >> 1 : voted_before) + 8'd1;
+        before <= kept;
+        if (has_turn[5] && class_5 == 4'd15) begin
+            blank  <= s_young || kept[7:0] == 8'd0;
+            halves <= kept[7];  // 128
+        end
+        if (has_turn[8] && class_8 == 4'd15) voted <= vote_8[7:0];
     end
 
     classifier_vote u_vote (
-        .clk    (clk),
-        .begins (in_rows),
-        .blank  (voted_before == 8'd0),
-        .halves (halves),
-        .s_valid(is_class_d[4] && class_d[15:12] < classes),
-        .s_class(class_d[15:12]),
-        .s_vote (kept),
-        .s_loss (amount),
-        .vote   (vote),
-        .winner (winner),
-        .margin (m_margin)
+        .clk     (clk),
+        .begins  (fitting),
+        .blank   (blank),
+        .halves  (halves),
+        .s_before(before),
+        .s_loss  (amount),
+        .is_class(has_turn[8] && counts[8]),
+        .class_id(class_8),
+        .vote    (vote_8),
+        .winner  (winner),
+        .margin  (m_margin)
     );
 
-    assign keep       = fits[14] || is_class_d[5] || s_done;
-    assign keep_row   = slot_row(s_slot, fits[14] ? field_index - 4'd1 : is_class_d[5] ? class_d[19:16] : KEPT_VOTED);
-    assign keep_value = fits[14] ? {3'd0, fit_value} : is_class_d[5] ? vote : s_young ? 15'd0 : {7'd0, voted};
-
+    assign vote      = vote_8 & {15{voting}};
     assign m_valid   = s_done && !s_young;
     assign m_class   = ({1'b0, m_margin} < product[15:0]) ? 4'd15 : winner;
     assign m_windows = voted;

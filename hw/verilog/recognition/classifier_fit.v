@@ -1,35 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
-// A field of a normalisation after a correction, limited to its range: rule F2 of docs/recognition.md.
+// A field of a normalisation after a correction: rule F2 of docs/recognition.md.
 //
-// Latency:    2 clocks.
-// Throughput: 1 field per clock; its kind must stand for both clocks.
+// The product is shifted by one bit a clock.
+//
+// Latency:    11 clocks from s_valid to `value`, which stands until the next s_valid.
+// Throughput: a field in 11 clocks; its kind must stand for them.
 // Stall:      none.
-// Reset:      none.
+// Reset:      none; `value` is 0 while `clears` is high.
 // Combinational paths: none.
 `default_nettype none
 
 module classifier_fit (
     input  wire               clk,
+    input  wire               clears,
 
-    input  wire               is_scale,    // without sign, 16 to 4095
-    input  wire               is_skew,     // signed, -127 to 127; else an offset, -1024 to 1023
+    input  wire               is_scale,   // without sign, 16 to 4095
+    input  wire               is_skew,    // signed, -127 to 127; else an offset, -1024 to 1023
     input  wire        [11:0] field,
-    input  wire signed [17:0] correction,
+    input  wire               s_valid,
+    input  wire signed [18:0] s_product,
+    input  wire        [2:0]  s_shift,    // of the product, to the right
     output reg         [11:0] value
 );
 
-    reg  signed [18:0] sum;
-    wire               sign = !is_scale && field[11];
+    reg signed [18:0] correction;
+    reg        [2:0]  left;
+    reg signed [18:0] sum;
+    reg        [11:0] sum_d;
+    reg               limited;
+    reg        [11:0] limit;
 
-    wire        above   = is_scale ? |sum[17:12] : is_skew ? |sum[17:7] : |sum[17:10];  // where not negative
-    wire        below   = is_scale || (is_skew ? !(&sum[17:7]) || ~|sum[6:0] : !(&sum[17:10]));  // where negative
-    wire        tiny    = is_scale && ~|sum[17:4];
+    wire sign = !is_scale && field[11];
+
+    wire above = is_scale ? |sum[17:12] : is_skew ? |sum[17:7] : |sum[17:10];  // where not negative
+    wire below = is_scale || (is_skew ? !(&sum[17:7]) || ~|sum[6:0] : !(&sum[17:10]));  // where negative
+    wire tiny  = is_scale && ~|sum[17:4];
+
     wire [11:0] lowest  = is_scale ? 12'd16 : is_skew ? -12'd127 : -12'd1024;
     wire [11:0] highest = is_scale ? 12'd4095 : is_skew ? 12'd127 : 12'd1023;
 
     always @(posedge clk) begin
-        sum   <= {{7{sign}}, field} + {correction[17], correction};
-        value <= (sum[18] ? below : tiny) ? lowest : (!sum[18] && above) ? highest : sum[11:0];
+        if (s_valid) begin
+            correction <= s_product;
+            left       <= s_shift;
+        end else if (left != 3'd0) begin
+            correction <= correction >>> 1;
+            left       <= left - 3'd1;
+        end
+        sum     <= $signed({{7{sign}}, field}) + correction;
+        sum_d   <= sum[11:0];
+        limited <= sum[18] ? below : above || tiny;
+        limit   <= (sum[18] || tiny) ? lowest : highest;
+        value   <= limited ? limit : sum_d;
+        if (clears) value <= 12'd0;
     end
 
 endmodule

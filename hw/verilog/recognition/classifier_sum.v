@@ -12,11 +12,11 @@ module classifier_sum (
     input  wire               clk,
 
     input  wire        [3:0]  s_valid,   // by pairs of products: else they add nothing
-    input  wire               s_begin,   // the sum begins with the next row, and this one is none
+    input  wire               s_begin,   // the sum begins with this row
     input  wire        [63:0] s_weights, // eight, signed
     input  wire        [31:0] s_cells,   // eight, without sign
 
-    output reg  signed [19:0] sum
+    output reg         [19:0] sum        // signed
 );
 
     wire signed [12:0] product [0:7];  // from -1920 to 1905: 12 bits
@@ -38,9 +38,20 @@ module classifier_sum (
 
     reg        [3:0]  valid_1, valid_2;
     reg        [5:1]  begins;
+    wire       [19:0] sum_next;
     reg signed [12:0] pair_0, pair_1, pair_2, pair_3;
     reg signed [13:0] low, high;  // of four products each
     reg signed [14:0] eight;
+
+    motion_sum #(
+        .W(20)
+    ) u_next (
+        .adds (!begins[5]),
+        .a    (sum),
+        .minus(1'b0),
+        .b    ({{5{eight[14]}}, eight}),
+        .y    (sum_next)
+    );
 
     always @(posedge clk) begin
         {valid_1, valid_2} <= {s_valid, valid_1};
@@ -56,8 +67,7 @@ module classifier_sum (
         low    <= {pair_0[12], pair_0} + {pair_1[12], pair_1};
         high   <= {pair_2[12], pair_2} + {pair_3[12], pair_3};
         eight  <= {low[13], low} + {high[13], high};
-        sum    <= sum + {{5{eight[14]}}, eight};
-        if (begins[5]) sum <= 20'sd0;
+        sum    <= sum_next;
     end
 
 endmodule

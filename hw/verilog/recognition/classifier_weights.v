@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The weights, and what the evaluation keeps of each slot: four block RAMs of 18 bits side by side, read as rows.
+// The weights, and what is kept of each slot: four block RAMs of 18 bits side by side, with two ports.
 //
 // A row has eight weights of 8 bits and a ninth: bank b holds those of lanes 2 b and 2 b + 1 and, in its highest bits, bits 2 b
-// and 2 b + 1 of the ninth. The evaluation writes bank 0 only. docs/recognition.md says what is in which row.
+// and 2 b + 1 of the ninth. docs/recognition.md says what is in which row. One port is the host's and the events', the other the
+// evaluation's.
 //
-// Latency:    2 clocks from read_row to the outputs.
-// Throughput: a row read and a word written per clock; a write of the evaluation comes first.
+// Latency:    2 clocks from a row's number to its words.
+// Throughput: per port, a row read or words written per clock.
 // Stall:      none.
 // Reset:      none.
 // Combinational paths: none.
@@ -16,21 +17,19 @@ module classifier_weights #(
 ) (
     input  wire             clk,
 
-    // host
-    input  wire             write,
-    input  wire [ROW_W+1:0] write_address,  // row, bank
-    input  wire [17:0]      write_data,
+    // host and events
+    input  wire [3:0]       a_write,    // by banks
+    input  wire [ROW_W-1:0] a_row,
+    input  wire [17:0]      a_data,
+    output wire [71:0]      a_banks,
 
     // evaluation
-    input  wire             keep,
-    input  wire [ROW_W-1:0] keep_row,
-    input  wire [14:0]      keep_value,
-
-    input  wire [ROW_W-1:0] read_row,
-    output wire [63:0]      weights,        // eight lanes
-    output wire [7:0]       ninth,
-    output wire [14:0]      kept,           // the value that the evaluation wrote in this row
-    output wire [71:0]      banks
+    input  wire [3:0]       b_write,
+    input  wire [ROW_W-1:0] b_row,
+    input  wire [17:0]      b_data,
+    output wire [71:0]      b_banks,
+    output wire [63:0]      b_weights,  // eight lanes
+    output wire [7:0]       b_ninth
 );
 
     parameter_check #(.OK(ROW_W >= 1)) ROW_W_must_be_at_least_1 ();
@@ -38,28 +37,27 @@ module classifier_weights #(
     genvar b;
     generate
         for (b = 0; b < 4; b = b + 1) begin : g_bank
-            wire keeps = keep && b == 0;
+            (* no_rw_check *) reg [17:0] memory [0:(1<<ROW_W)-1];
+            reg [17:0] a_ram, a_out, b_ram, b_out;
 
-            block_memory #(
-                .W    (18),
-                .DEPTH(1 << ROW_W)
-            ) u_memory (
-                .clk          (clk),
-                .write        (keeps || (write && write_address[1:0] == b)),
-                .write_address(keeps ? keep_row : write_address[ROW_W+1:2]),
-                .write_data   (keeps ? {3'd0, keep_value} : write_data),
-                .read_enable  (1'b1),
-                .read_address (read_row),
-                .out_enable   (1'b1),
-                .read_data    (banks[18*b +: 18])
-            );
+            always @(posedge clk) begin
+                if (a_write[b]) memory[a_row] <= a_data;
+                a_ram <= memory[a_row];
+                a_out <= a_ram;
+            end
 
-            assign weights[16*b +: 16] = banks[18*b +: 16];
-            assign ninth[2*b +: 2]     = banks[18*b + 16 +: 2];
+            always @(posedge clk) begin
+                if (b_write[b]) memory[b_row] <= b_data;
+                b_ram <= memory[b_row];
+                b_out <= b_ram;
+            end
+
+            assign a_banks[18*b +: 18]   = a_out;
+            assign b_banks[18*b +: 18]   = b_out;
+            assign b_weights[16*b +: 16] = b_out[15:0];
+            assign b_ninth[2*b +: 2]     = b_out[17:16];
         end
     endgenerate
-
-    assign kept = banks[14:0];
 
 endmodule
 

@@ -16,7 +16,7 @@ module classifier_windows #(
     parameter N      = 8,   // slots of the tracker
     parameter ID_W   = 16,  // bits of a track id
     parameter SEQ_W  = 32,  // bits of an event's number
-    parameter SETTLE = 17,  // clocks after which the closing event is in the image
+    parameter SETTLE = 19,  // clocks after which the closing event is in the image
     parameter SLOT_W = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
