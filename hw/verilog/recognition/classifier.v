@@ -149,6 +149,8 @@ module classifier #(
         .enable     (enable),
         .window_log2(window_log2),
         .quiet      (cfg_ready),
+        .ahead_valid(s_valid),
+        .ahead_slot (s_slot),
         .s_valid    (valid_s1),
         .s_slot     (slot_s1),
         .s_visible  (visible_s1),

@@ -4,7 +4,7 @@
 // A cell is counter `lane` of word
 // `word`, eight to a word: of row v and column u, word v and lane u for u < 8, else word 12 + v / 2 and lane 4 (v % 2) + u - 8.
 //
-// Latency:    14 clocks from s_ to m_.
+// Latency:    16 clocks from s_ to m_.
 // Throughput: 1 event per clock.
 // Stall:      none.
 // Reset:      no event is inside. The skews are not reset.
@@ -48,7 +48,7 @@ module classifier_cell #(
     parameter_check #(.OK(REL_W >= 2 && REL_W <= 18)) REL_W_must_be_2_to_18 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
-    localparam LATENCY = 14;
+    localparam LATENCY = 16;
     localparam SUM_W   = (REL_W > 4) ? REL_W + 9 : 14;  // of a scaled address after two subtractions
 
     // ---- the normalisations ------------------------------------------------------------------------------------------
@@ -58,7 +58,7 @@ module classifier_cell #(
     reg        [REL_W-1:0] dx_s2, dy_s2, dx_s3, dy_s3, dx_s4, dy_s4;
     reg        [10:0]      off_u_s5, off_v_s5;
     reg signed [12:0]      off_u_s6, off_v_s6;
-    reg signed [7:0]       skew_s2, skew_s3, skew_s4, skew_s5, skew_s6, skew_s7, skew_s8, skew_s9;
+    reg signed [7:0]       skew_s2, skew_s3, skew_s4, skew_s5, skew_s6, skew_s7, skew_s8, skew_s9, skew_s10;
 
     always @(posedge clk) begin
         if (skew_valid) skew[skew_slot] <= skew_value;
@@ -67,7 +67,7 @@ module classifier_cell #(
         {dy_s2, dy_s3, dy_s4} <= {s_dy, dy_s2, dy_s3};
         skew_s2               <= skew[s_slot];
         {skew_s3, skew_s4, skew_s5, skew_s6} <= {skew_s2, skew_s3, skew_s4, skew_s5};
-        {skew_s7, skew_s8, skew_s9}          <= {skew_s6, skew_s7, skew_s8};
+        {skew_s7, skew_s8, skew_s9, skew_s10} <= {skew_s6, skew_s7, skew_s8, skew_s9};
         {off_u_s5, off_v_s5} <= {off_u, off_v};
         if (young_s2) skew_s3 <= 8'd0;
         if (young_s4) {off_u_s5, off_v_s5} <= 22'd0;
@@ -110,14 +110,15 @@ module classifier_cell #(
         beyond = |value[SUM_W-2:12] || value[11:10] == 2'b11;
     endfunction
 
-    reg signed [SUM_W-1:0]  straight_u_s7, straight_u_s8, straight_u_s9, straight_u_s10, straight_u_s11;
-    reg signed [SUM_W-1:0]  sum_v_s7, sum_u_s12;
+    reg signed [SUM_W-1:0]  straight_u_s7, straight_u_s8, straight_u_s9, straight_u_s10, straight_u_s11, straight_u_s12;
+    reg signed [SUM_W-1:0]  sum_v_s7, sum_u_s13;
     reg        [11:0]       low_v_s8;
     reg                     below_v_s8, beyond_v_s8;
-    reg        [11:0]       v_s9;  // 0 to 3071
-    wire       [11:0]       middle_v_s9 = {v_s9[11:8] - 4'd6, v_s9[7:0]};
-    wire signed [19:0]      sheared;  // s11
-    wire signed [12:0]      shear_s11 = sheared[19:7];
+    reg                     beyond_v_s9;
+    reg        [11:0]       v_s9, v_s10;  // 0 to 3071
+    wire       [11:0]       middle_v_s10 = {v_s10[11:8] - 4'd6, v_s10[7:0]};
+    wire signed [19:0]      sheared;  // s12
+    wire signed [12:0]      shear_s12 = sheared[19:7];
     wire signed [REL_W+8:0] x_s6 = scaled_x[REL_W+12:4];
     wire signed [REL_W+8:0] y_s6 = scaled_y[REL_W+12:4];
 
@@ -126,8 +127,8 @@ module classifier_cell #(
         .B_W(12)
     ) u_shear (
         .clk(clk),
-        .a  (skew_s9),
-        .b  (middle_v_s9),
+        .a  (skew_s10),
+        .b  (middle_v_s10),
         .p  (sheared)
     );
 
@@ -141,35 +142,41 @@ module classifier_cell #(
         low_v_s8      <= sum_v_s7[11:0];
         below_v_s8    <= sum_v_s7[SUM_W-1];
         beyond_v_s8   <= beyond(sum_v_s7);
-        v_s9          <= low_v_s8 | {12{beyond_v_s8}};
-        if (beyond_v_s8) v_s9[10] <= 1'b0;
+        beyond_v_s9   <= beyond_v_s8 && !below_v_s8;
+        v_s9          <= low_v_s8;
+        v_s10         <= v_s9;
         if (below_v_s8) v_s9 <= 12'd0;
-        sum_u_s12     <= straight_u_s11 - shear_s11;
+        if (beyond_v_s9) v_s10 <= 12'd3071;
+        straight_u_s12 <= straight_u_s11;
+        sum_u_s13      <= straight_u_s12 - shear_s12;
     end
 
     // ---- the cell ----------------------------------------------------------------------------------------------------
 
-    reg [3:0] row_s10, row_s11, row_s12, row_s13, row_s14;
-    reg [3:0] column_s13, column_s14;
-    reg       below_u_s13, beyond_u_s13;
-    reg [4:0] word_s15;
-    reg [2:0] lane_s15;
+    reg [3:0] row_s11, row_s12, row_s13, row_s14, row_s15, row_s16;
+    reg [3:0] column_s14, column_s15, column_s16;
+    reg       below_u_s14, beyond_u_s14, beyond_u_s15;
+    reg [4:0] word_s17;
+    reg [2:0] lane_s17;
 
     reg [LATENCY-1:0]        valids;
     reg [LATENCY-1:0]        firsts;
     reg [LATENCY*SLOT_W-1:0] slots;
 
     always @(posedge clk) begin
-        {row_s10, row_s11, row_s12, row_s13, row_s14} <= {v_s9[11:8], row_s10, row_s11, row_s12, row_s13};
+        {row_s11, row_s12, row_s13} <= {v_s10[11:8], row_s11, row_s12};
+        {row_s14, row_s15, row_s16} <= {row_s13, row_s14, row_s15};
 
-        column_s13   <= sum_u_s12[11:8];
-        below_u_s13  <= sum_u_s12[SUM_W-1];
-        beyond_u_s13 <= beyond(sum_u_s12);
-        column_s14   <= column_s13 | {4{beyond_u_s13}};
-        if (beyond_u_s13) column_s14[2] <= 1'b0;
-        if (below_u_s13) column_s14 <= 4'd0;
-        word_s15 <= column_s14[3] ? {row_s14[3], {2{!row_s14[3]}}, row_s14[2:1]} : {1'b0, row_s14};
-        lane_s15 <= {column_s14[3] ? row_s14[0] : column_s14[2], column_s14[1:0]};
+        column_s14   <= sum_u_s13[11:8];
+        below_u_s14  <= sum_u_s13[SUM_W-1];
+        beyond_u_s14 <= beyond(sum_u_s13);
+        beyond_u_s15 <= beyond_u_s14 && !below_u_s14;
+        column_s15   <= column_s14;
+        column_s16   <= column_s15;
+        if (below_u_s14) column_s15 <= 4'd0;
+        if (beyond_u_s15) column_s16 <= 4'd11;
+        word_s17 <= column_s16[3] ? {row_s16[3], {2{!row_s16[3]}}, row_s16[2:1]} : {1'b0, row_s16};
+        lane_s17 <= {column_s16[3] ? row_s16[0] : column_s16[2], column_s16[1:0]};
 
         valids  <= {valids[LATENCY-2:0], s_valid};
         firsts  <= {firsts[LATENCY-2:0], s_first};
@@ -180,10 +187,10 @@ module classifier_cell #(
     assign m_valid = valids[LATENCY-1];
     assign m_first = firsts[LATENCY-1];
     assign m_slot  = slots[(LATENCY-1)*SLOT_W +: SLOT_W];
-    assign m_word  = word_s15;
-    assign m_lane  = lane_s15;
+    assign m_word  = word_s17;
+    assign m_lane  = lane_s17;
 
-    wire unused = &{1'b0, sum_u_s12[7:0], sheared[6:0], scaled_x[3:0], scaled_y[3:0]};
+    wire unused = &{1'b0, sum_u_s13[7:0], sheared[6:0], scaled_x[3:0], scaled_y[3:0]};
 
 endmodule
 

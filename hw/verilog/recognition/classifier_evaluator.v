@@ -278,14 +278,13 @@ module classifier_evaluator #(
     // ---- hidden units and losses: shifted, and limited to 0 to 255 ---------------------------------------------------
 
     wire [20:0] operand = voting ? score_next[20:0] : {1'b0, sum[19:0]};
-    wire        sign    = !voting && sum[19];
+    wire        is_none = fitting || (voting ? class_4 == 4'd15 : sum[19]);
     wire [3:0]  shift   = voting ? shift_2 : shift_1;
     wire [10:0] coarse_0;
     wire [7:0]  fine_0;
     reg  [10:0] coarse;
     reg  [1:0]  coarse_shift, fine_shift;
     reg  [2:0]  rest;       // operand has bits from 11, 15, 19 on
-    reg  [1:0]  negative;
     reg  [7:0]  fine;
     reg         is_beyond;
 
@@ -310,14 +309,14 @@ module classifier_evaluator #(
         coarse_shift <= shift[3:2];
         fine_shift   <= shift[1:0];
         rest         <= {|operand[20:19], |operand[18:15], |operand[14:11]};
-        negative     <= {negative[0], sign};
+        if (is_none) begin
+            coarse <= 11'd0;
+            rest   <= 3'd0;
+        end
         fine         <= fine_0;
         is_beyond    <= (rest[2] && coarse_shift != 2'd3) || (rest[1] && !coarse_shift[1]) || (rest[0] && coarse_shift == 2'd0)
             || (coarse[10] && fine_shift != 2'd3) || (coarse[9] && !fine_shift[1]) || (coarse[8] && fine_shift == 2'd0);
-        if (ends[10] || voting) amount <= fine | {8{is_beyond}};
-        if (ends[10] && negative[1]) amount <= 8'd0;
-        if (voting && class_6 == 4'd15) amount <= {7'd0, !s_young};  // a window more
-        if (fitting) amount <= 8'd0;
+        if (ends[10] || voting || fitting) amount <= is_beyond ? 8'd255 : fine;
     end
 
     // ---- fit ---------------------------------------------------------------------------------------------------------
@@ -338,7 +337,6 @@ module classifier_evaluator #(
 
     reg         blank, halves;
     reg  [14:0] before;
-    wire [14:0] vote_8;
     wire [3:0]  winner;
 
     always @(posedge clk) begin
@@ -347,7 +345,7 @@ module classifier_evaluator #(
             blank  <= s_young || kept[7:0] == 8'd0;
             halves <= kept[7];  // 128
         end
-        if (has_turn[8] && class_8 == 4'd15) voted <= vote_8[7:0];
+        if (has_turn[8] && class_8 == 4'd15) voted <= vote[7:0];
     end
 
     classifier_vote u_vote (
@@ -357,14 +355,15 @@ module classifier_evaluator #(
         .halves  (halves),
         .s_before(before),
         .s_loss  (amount),
+        .s_more  (class_7 == 4'd15 && !s_young),
+        .clears  (!voting || s_done),
         .is_class(has_turn[8] && counts[8]),
         .class_id(class_8),
-        .vote    (vote_8),
+        .vote    (vote),
         .winner  (winner),
         .margin  (m_margin)
     );
 
-    assign vote      = vote_8 & {15{voting}};
     assign m_valid   = s_done && !s_young;
     assign m_class   = ({1'b0, m_margin} < product[15:0]) ? 4'd15 : winner;
     assign m_windows = voted;

@@ -12,11 +12,13 @@ module classifier_vote (
     input  wire        clk,
 
     input  wire        begins,
+    input  wire        clears,    // `vote` is 0
     input  wire        blank,     // the vote before is none
     input  wire        halves,    // the vote before counts half
 
     input  wire [14:0] s_before,  // the vote before this window
     input  wire [7:0]  s_loss,    // a clock later
+    input  wire        s_more,    // 1 more
 
     input  wire        is_class,  // `vote` is that of a class; classes come from the first to the last
     input  wire [3:0]  class_id,
@@ -28,10 +30,13 @@ module classifier_vote (
 
     reg [14:0] base, least, second;
 
+    wire [15:0] total = {base, 1'b1} + {7'd0, s_loss, s_more};
+
     always @(posedge clk) begin
         base <= halves ? {1'b0, s_before[14:1]} : s_before;
         if (blank) base <= 15'd0;
-        vote   <= base + {7'd0, s_loss};
+        vote   <= total[15:1];
+        if (clears) vote <= 15'd0;
         margin <= second - least;
         if (is_class) begin
             if (vote < least) begin

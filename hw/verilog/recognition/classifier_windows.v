@@ -16,7 +16,7 @@ module classifier_windows #(
     parameter N      = 8,   // slots of the tracker
     parameter ID_W   = 16,  // bits of a track id
     parameter SEQ_W  = 32,  // bits of an event's number
-    parameter SETTLE = 19,  // clocks after which the closing event is in the image
+    parameter SETTLE = 23,  // clocks after which the closing event is in the image
     parameter SLOT_W = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
     input  wire              clk,
@@ -28,7 +28,9 @@ module classifier_windows #(
     input  wire [3:0]        window_log2,
     output wire              quiet,        // no window waits for its evaluation, and none can close in this clock
 
-    // owned events
+    // owned events: first a clock ahead
+    input  wire              ahead_valid,
+    input  wire [SLOT_W-1:0] ahead_slot,
     input  wire              s_valid,
     input  wire [SLOT_W-1:0] s_slot,
     input  wire              s_visible,
@@ -51,66 +53,79 @@ module classifier_windows #(
     parameter_check #(.OK(SETTLE >= 2)) SETTLE_must_be_at_least_2 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
-    localparam [9:0] SERVICE_EVENTS = 10'd768;  // owned events after which a window has been evaluated
-
     // ---- state of the slots ------------------------------------------------------------------------------------------
 
     // A slot without events since the last restart is fresh, whatever its memory says.
-    reg [N-1:0]  used;
-    reg [N-1:0]  pending;
-    reg [15:0]   state [0:N-1];
-    wire         was_fresh, was_open, was_young, was_last;  // open: count > 0; last: count = K - 1
-    wire [11:0]  count;
+    reg [N-1:0] used;
+    reg [N-1:0] pending;
+    reg [14:0]  state [0:N-1];
+    reg [N-1:0] slot_bit;                       // of s_slot
+    wire        was_open, was_young, was_last;  // open: events were counted; last: this one closes the window
+    wire [11:0] left;                           // events to come behind this one's successor
 
-    assign {was_fresh, was_open, was_young, was_last, count} = state[s_slot];
+    assign {was_open, was_young, was_last, left} = state[s_slot];
 
     reg  [SLOT_W:0]   released_to, evaluated_to, settled_to, closed_to;
-    reg  [9:0]        busy;
-    reg               is_due;    // busy = 1
+    reg               is_due;    // the next event releases a window
     reg               restarted;
     reg  [SETTLE-1:0] settling;  // windows that closed so many clocks ago
     wire [SLOT_W-1:0] released_slot;
 
-    wire waits    = released_to != closed_to;
-    wire releases = s_valid && waits && is_due;
-    wire paused   = pending[s_slot] && !(releases && released_slot == s_slot);
+    wire was_used = |(used & slot_bit);
 
-    assign counts = s_valid && enable && s_visible && !paused;
-    assign first  = !(used[s_slot] && was_open);
-    assign young  = first ? !used[s_slot] || was_fresh : was_young;
+    assign counts = s_valid && enable && s_visible && !(|(pending & slot_bit));
+    assign first  = !(was_used && was_open);
+    assign young  = !was_used || was_young;
 
     // K - 2 in binary is ones and a zero, as many as window_log2 says, at least 8.
-    wire [3:0]  beyond    = {window_log2 < 4'd12, window_log2 < 4'd11, window_log2 < 4'd10, window_log2 < 4'd9};
-    wire [11:0] count_now = first ? 12'd0 : count;
-    wire        full      = !first && was_last;
-    wire        is_last   = &{count_now[11:8] | beyond, count_now[7:1]} && !count_now[0];  // of this event's successor
-    wire        closes    = counts && full;
-    wire        writes    = counts || (s_valid && !s_visible);
+    wire [3:0]  beyond = {window_log2 == 4'd12, window_log2 >= 4'd11, window_log2 >= 4'd10, window_log2 >= 4'd9};
+    wire [12:0] left_next;
+    wire        full   = !first && was_last;
+    wire        closes = counts && full;
+    wire        writes = counts || (s_valid && !s_visible);
+
+    array_sum #(
+        .W    (13),
+        .ROUND(0)
+    ) u_left (
+        .a     (13'h1FFF),
+        .choice(first),
+        .one   ({1'b0, beyond, 7'h7F, 2'b00}),
+        .other ({was_last, left, 1'b0}),
+        .y     (left_next)
+    );
 
     function [N-1:0] one_slot;
-        input is_set;
-        begin
-            one_slot    = {N{1'b0}};
-            one_slot[0] = is_set;
-        end
+        input [SLOT_W-1:0] slot;
+        integer n;
+        for (n = 0; n < N; n = n + 1) one_slot[n] = slot == n;
     endfunction
 
     assign quiet      = evaluated_to == closed_to && !(s_valid && full);
     assign head_valid = evaluated_to != settled_to;
 
     always @(posedge clk) begin
-        if (writes) begin
-            state[s_slot] <= {!s_visible, s_visible && !full, young, is_last, count_now + 12'd1};
-        end
+        if (writes) state[s_slot] <= {s_visible && !full, !s_visible || (young && !full), left_next};
     end
 
+    // ---- rule Q2, a clock ahead of its event -------------------------------------------------------------------------
+
+    // A maximal-length shift register counts events: from 768 in busy to 2, in which the next event makes it 1.
+    localparam [9:0] BUSY_768 = 10'd1, BUSY_2 = 10'd784;
+
+    reg  [9:0] busy;
+    wire       waits    = released_to != closed_to || closes;
+    wire       releases = ahead_valid && is_due;
+
     always @(posedge clk) begin
-        if (s_valid) begin
-            busy   <= (is_due || !waits) ? SERVICE_EVENTS : busy - 10'd1;
-            is_due <= waits && busy == 10'd2;
+        if (ahead_valid) begin
+            busy   <= {busy[8:0], busy[9] ^ busy[6]};
+            is_due <= waits && busy == BUSY_2;
+            if (is_due || !waits) busy <= BUSY_768;
         end
-        pending <= (pending & ~(one_slot(releases) << released_slot)) | (one_slot(closes) << s_slot);
-        used    <= used | (one_slot(writes) << s_slot);
+        slot_bit <= one_slot(ahead_slot);
+        pending  <= (pending & ~(one_slot(released_slot) & {N{releases}})) | (slot_bit & {N{closes}});
+        used     <= used | (slot_bit & {N{writes}});
         if (releases) released_to <= released_to + 1'b1;
         if (closes) closed_to <= closed_to + 1'b1;
         if (head_done) evaluated_to <= evaluated_to + 1'b1;
@@ -128,9 +143,9 @@ module classifier_windows #(
             settled_to   <= {(SLOT_W + 1) {1'b0}};
             closed_to    <= {(SLOT_W + 1) {1'b0}};
             settling     <= {SETTLE{1'b0}};
-            is_due       <= 1'b0;
             restarted    <= 1'b0;
         end
+        if (restart || restarted || rst) is_due <= 1'b0;
     end
 
     // ---- the queue ---------------------------------------------------------------------------------------------------
