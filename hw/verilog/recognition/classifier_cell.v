@@ -49,7 +49,7 @@ module classifier_cell #(
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam LATENCY = 16;
-    localparam SUM_W   = (REL_W > 4) ? REL_W + 9 : 14;  // of a scaled address after two subtractions
+    localparam WIDE_W  = (REL_W > 4) ? REL_W + 13 : 18;  // of a product with a scale, no less than is looked at
 
     // ---- the normalisations ------------------------------------------------------------------------------------------
 
@@ -76,7 +76,9 @@ module classifier_cell #(
 
     // ---- v, and u without its shear ----------------------------------------------------------------------------------
 
-    wire signed [REL_W+12:0] scaled_x, scaled_y;  // s6
+    wire signed [REL_W+12:0] scaled_x, scaled_y;
+    wire signed [WIDE_W-1:0] wide_x_s6 = scaled_x;
+    wire signed [WIDE_W-1:0] wide_y_s6 = scaled_y;
 
     multiplier #(
         .A_W(REL_W),
@@ -104,14 +106,22 @@ module classifier_cell #(
         from_edge = {1'b1, !off[10] || off[9], off[10] ^ off[9], !off[9], off[8:0]};
     endfunction
 
-    // More than 3071, where not negative.
-    function beyond;
-        input [SUM_W-1:0] value;
-        beyond = |value[SUM_W-2:12] || value[11:10] == 2'b11;
+    // A scaled address that has more than 13 bits is beyond the image, or below it, whatever is subtracted.
+    function far;
+        input [WIDE_W-1:0] scaled;
+        far = !(&scaled[WIDE_W-1:16]) && |scaled[WIDE_W-1:16];
     endfunction
 
-    reg signed [SUM_W-1:0]  straight_u_s7, straight_u_s8, straight_u_s9, straight_u_s10, straight_u_s11, straight_u_s12;
-    reg signed [SUM_W-1:0]  sum_v_s7, sum_u_s13;
+    // From 3072 on.
+    function beyond;
+        input [13:0] value;
+        beyond = !value[13] && (value[12] || value[11:10] == 2'b11);
+    endfunction
+
+    reg signed [13:0]       straight_u_s7, straight_u_s8, straight_u_s9, straight_u_s10, straight_u_s11, straight_u_s12;
+    reg signed [13:0]       sum_v_s7, sum_u_s13;
+    reg                     far_u_s7, far_v_s7, minus_u_s7, minus_v_s7;
+    reg        [5:0]        far_u_s13, minus_u_s13;  // of the clocks from s8 on
     reg        [11:0]       low_v_s8;
     reg                     below_v_s8, beyond_v_s8;
     reg                     beyond_v_s9;
@@ -119,8 +129,8 @@ module classifier_cell #(
     wire       [11:0]       middle_v_s10 = {v_s10[11:8] - 4'd6, v_s10[7:0]};
     wire signed [19:0]      sheared;  // s12
     wire signed [12:0]      shear_s12 = sheared[19:7];
-    wire signed [REL_W+8:0] x_s6 = scaled_x[REL_W+12:4];
-    wire signed [REL_W+8:0] y_s6 = scaled_y[REL_W+12:4];
+    wire signed [12:0]      x_s6 = wide_x_s6[16:4];
+    wire signed [12:0]      y_s6 = wide_y_s6[16:4];
 
     multiplier #(
         .A_W(8),
@@ -140,9 +150,13 @@ module classifier_cell #(
         straight_u_s10 <= straight_u_s9;
         straight_u_s11 <= straight_u_s10;
         low_v_s8      <= sum_v_s7[11:0];
-        below_v_s8    <= sum_v_s7[SUM_W-1];
-        beyond_v_s8   <= beyond(sum_v_s7);
-        beyond_v_s9   <= beyond_v_s8 && !below_v_s8;
+        {far_u_s7, minus_u_s7} <= {far(wide_x_s6), wide_x_s6[WIDE_W-1]};
+        {far_v_s7, minus_v_s7} <= {far(wide_y_s6), wide_y_s6[WIDE_W-1]};
+        far_u_s13     <= {far_u_s13[4:0], far_u_s7};
+        minus_u_s13   <= {minus_u_s13[4:0], minus_u_s7};
+        below_v_s8    <= far_v_s7 ? minus_v_s7 : sum_v_s7[13];
+        beyond_v_s8   <= far_v_s7 ? !minus_v_s7 : beyond(sum_v_s7);
+        beyond_v_s9   <= beyond_v_s8;
         v_s9          <= low_v_s8;
         v_s10         <= v_s9;
         if (below_v_s8) v_s9 <= 12'd0;
@@ -168,9 +182,9 @@ module classifier_cell #(
         {row_s14, row_s15, row_s16} <= {row_s13, row_s14, row_s15};
 
         column_s14   <= sum_u_s13[11:8];
-        below_u_s14  <= sum_u_s13[SUM_W-1];
-        beyond_u_s14 <= beyond(sum_u_s13);
-        beyond_u_s15 <= beyond_u_s14 && !below_u_s14;
+        below_u_s14  <= far_u_s13[5] ? minus_u_s13[5] : sum_u_s13[13];
+        beyond_u_s14 <= far_u_s13[5] ? !minus_u_s13[5] : beyond(sum_u_s13);
+        beyond_u_s15 <= beyond_u_s14;
         column_s15   <= column_s14;
         column_s16   <= column_s15;
         if (below_u_s14) column_s15 <= 4'd0;
@@ -190,7 +204,7 @@ module classifier_cell #(
     assign m_word  = word_s17;
     assign m_lane  = lane_s17;
 
-    wire unused = &{1'b0, sum_u_s13[7:0], sheared[6:0], scaled_x[3:0], scaled_y[3:0]};
+    wire unused = &{1'b0, sum_u_s13[7:0], sheared[6:0], wide_x_s6[3:0], wide_y_s6[3:0]};
 
 endmodule
 

@@ -78,6 +78,7 @@ module classifier_evaluator #(
     localparam [4:0] CLASS_FIRST = 5'd8;   // word with the ninth weight of the first class, up to WORD_LAST
     localparam [4:0] VOTES_FIRST = 5'd30;  // word in which the votes begin: with entry 15, then 0, by two words
     localparam [4:0] VOTES_LAST  = 5'd28;
+    localparam [4:0] COMPARED_LAST = 5'd27;
     localparam [3:0] ROW_FIELDS  = 4'd10;  // rows of a slot: votes, fields, and the number of windows in the vote
     localparam [3:0] ROW_EVENTS  = 4'd11;  // with the fields for events, and the scale of x for the evaluation
 
@@ -87,6 +88,7 @@ module classifier_evaluator #(
     reg             fitting;  // units 0 to 5
     reg             scoring;  // the largest score is looked for
     reg             voting;
+    reg             comparing;  // the votes with the least
     reg [5:0]       unit;
     reg [4:0]       word_reg;
     reg [8:0]       word_bit_reg;
@@ -95,14 +97,16 @@ module classifier_evaluator #(
 
     wire behind    = fitting && word_reg[4] && |word_reg[2:1];  // the words
     wire fit_ends  = fitting && word_reg == FIELD_READ;
-    wire unit_ends = fit_ends || (!fitting && !voting && word_reg == WORD_LAST);
-    wire hidden    = running && !fitting && !scoring && !voting;
+    wire unit_ends = fit_ends || (hidden || scoring) && word_reg == WORD_LAST;
+    wire hidden    = running && !fitting && !scoring && !voting && !comparing;
     wire to_vote   = unit_ends && (scoring || (s_young && unit == FIT_LAST));
     wire to_score  = unit_ends && hidden && unit == OUTPUT_LAST;
 
     assign word     = word_reg;
     assign word_bit = word_bit_reg;
-    assign s_done   = voting && word_reg == VOTES_LAST;
+    wire to_compare = voting && word_reg == VOTES_LAST;
+
+    assign s_done   = comparing && word_reg == COMPARED_LAST;
 
     always @(posedge clk) begin
         word_reg <= word_reg + 5'd1;
@@ -117,7 +121,12 @@ module classifier_evaluator #(
             scoring <= to_score;
             voting  <= to_vote;
         end
-        if (s_done) {running, voting} <= 2'b00;
+        if (to_compare) begin
+            word_reg  <= CLASS_FIRST;
+            voting    <= 1'b0;
+            comparing <= 1'b1;
+        end
+        if (s_done) {running, comparing} <= 2'b00;
         if (!running) begin
             running      <= s_valid;
             fitting      <= s_valid;
@@ -127,7 +136,7 @@ module classifier_evaluator #(
             row_reg      <= {ROW_W{1'b0}};
             field_row    <= ROW_FIELDS - 4'd1;
         end
-        if (rst) {running, fitting, scoring, voting} <= 4'b0000;
+        if (rst) {running, fitting, scoring, voting, comparing} <= 5'b00000;
     end
 
     // ---- what is under way, by cycle ---------------------------------------------------------------------------------
@@ -140,6 +149,7 @@ module classifier_evaluator #(
     reg [4:1]  scores;        // is compared with the largest
     reg [5:1]  reads_field;
     reg [8:1]  has_turn;      // in the votes
+    reg [8:1]  compares;      // its vote, with the least
     reg [3:0]  class_1, class_2, class_3, class_4, class_5, class_6, class_7, class_8;
     reg [8:5]  counts;        // the class is one of `classes`
 
@@ -155,6 +165,7 @@ module classifier_evaluator #(
         multiplies   <= {multiplies[3:1], hidden && is_ninth};
         scores       <= {scores[3:1], scoring};
         reads_field  <= {reads_field[4:1], fit_ends};
+        compares     <= {compares[7:1], comparing};
         has_turn     <= {has_turn[7:1], voting && !word_reg[0] && !(word_reg[4] && word_reg[2] && !word_reg[3])};
         {class_1, class_2, class_3, class_4} <= {class_0, class_1, class_2, class_3};
         {class_5, class_6, class_7, class_8} <= {class_4, class_5, class_6, class_7};
@@ -163,6 +174,7 @@ module classifier_evaluator #(
             multiplies <= 4'd0;
             scores     <= 4'd0;
             has_turn   <= 8'd0;
+            compares   <= 8'd0;
         end
     end
 
@@ -172,9 +184,9 @@ module classifier_evaluator #(
     // while no window is evaluated.
     localparam [ROW_W-1:0] ROW_START = 767;
 
-    wire       of_slot  = behind || voting;
+    wire       of_slot  = behind || voting || comparing;
     wire       of_start = !running || (fitting && s_young && word_reg == FIELD_READ);
-    wire [3:0] index    = voting ? (word_reg[0] ? class_3 : class_8)
+    wire [3:0] index    = (voting && !word_reg[0]) ? class_8 : (voting || comparing) ? class_3
         : (word_reg == EVENTS_WRITE) ? ROW_EVENTS : field_row;
 
     wire [ROW_W-1:0] slot_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
@@ -223,7 +235,7 @@ module classifier_evaluator #(
     reg         [15:0] moment;
     reg         [7:0]  amount;     // a hidden unit, or a loss
     reg         [7:0]  voted;
-    reg         [7:0]  least_mean; // margin_min while votes are counted
+    reg         [7:0]  least_mean; // margin_min while votes are compared
     wire signed [28:0] product;
     wire        [12:0] ninth_13 = {{5{ninth[7]}}, ninth} & {13{hidden_d[2]}};
 
@@ -243,13 +255,13 @@ module classifier_evaluator #(
     ) u_product (
         .clk(clk),
         .a  (ninth_13 | factor | {5'd0, least_mean}),
-        .b  ({moment[15:8], moment[7:0] | (voting ? voted : amount)}),
+        .b  ({moment[15:8], moment[7:0] | (comparing ? voted : amount)}),
         .p  (product)
     );
 
     always @(posedge clk) begin
         moment     <= fitting ? sum[15:0] : 16'd0;
-        least_mean <= voting ? margin_min : 8'd0;
+        least_mean <= comparing ? margin_min : 8'd0;
     end
 
     // ---- scores ------------------------------------------------------------------------------------------------------
@@ -278,7 +290,7 @@ module classifier_evaluator #(
     // ---- hidden units and losses: shifted, and limited to 0 to 255 ---------------------------------------------------
 
     wire [20:0] operand = voting ? score_next[20:0] : {1'b0, sum[19:0]};
-    wire        is_none = fitting || (voting ? class_4 == 4'd15 : sum[19]);
+    wire        is_none = fitting || comparing || (voting ? class_4 == 4'd15 : sum[19]);
     wire [3:0]  shift   = voting ? shift_2 : shift_1;
     wire [10:0] coarse_0;
     wire [7:0]  fine_0;
@@ -316,7 +328,7 @@ module classifier_evaluator #(
         fine         <= fine_0;
         is_beyond    <= (rest[2] && coarse_shift != 2'd3) || (rest[1] && !coarse_shift[1]) || (rest[0] && coarse_shift == 2'd0)
             || (coarse[10] && fine_shift != 2'd3) || (coarse[9] && !fine_shift[1]) || (coarse[8] && fine_shift == 2'd0);
-        if (ends[10] || voting || fitting) amount <= is_beyond ? 8'd255 : fine;
+        if (ends[10] || fitting || voting || comparing) amount <= is_beyond ? 8'd255 : fine;
     end
 
     // ---- fit ---------------------------------------------------------------------------------------------------------
@@ -345,6 +357,7 @@ module classifier_evaluator #(
             blank  <= s_young || kept[7:0] == 8'd0;
             halves <= kept[7];  // 128
         end
+        if (comparing) {blank, halves} <= 2'b00;
         if (has_turn[8] && class_8 == 4'd15) voted <= vote[7:0];
     end
 
@@ -356,8 +369,10 @@ module classifier_evaluator #(
         .s_before(before),
         .s_loss  (amount),
         .s_more  (class_7 == 4'd15 && !s_young),
-        .clears  (!voting || s_done),
-        .is_class(has_turn[8] && counts[8]),
+        .clears  (!(voting || comparing) || s_done),
+        .is_class(counts[8] && (has_turn[8] || compares[8])),
+        .turns   (to_compare),
+        .again   (comparing),
         .class_id(class_8),
         .vote    (vote),
         .winner  (winner),

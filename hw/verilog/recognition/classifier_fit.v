@@ -25,19 +25,21 @@ module classifier_fit (
 
     reg signed [18:0] correction;
     reg        [2:0]  left;
-    reg signed [18:0] sum;
+    reg signed [13:0] sum;
+    reg               far, minus;  // the correction is beyond 13 bits: so is the field then
     reg        [11:0] sum_d;
     reg               limited;
-    reg        [11:0] limit;
+    reg               low;
 
     wire sign = !is_scale && field[11];
 
-    wire above = is_scale ? |sum[17:12] : is_skew ? |sum[17:7] : |sum[17:10];  // where not negative
-    wire below = is_scale || (is_skew ? !(&sum[17:7]) || ~|sum[6:0] : !(&sum[17:10]));  // where negative
-    wire tiny  = is_scale && ~|sum[17:4];
+    wire above = is_scale ? sum[12] : is_skew ? |sum[12:7] : |sum[12:10];  // where not negative
+    wire below = is_scale || (is_skew ? !(&sum[12:7]) || ~|sum[6:0] : !(&sum[12:10]));  // where negative
+    wire tiny  = is_scale && ~|sum[12:4];
 
     wire [11:0] lowest  = is_scale ? 12'd16 : is_skew ? -12'd127 : -12'd1024;
     wire [11:0] highest = is_scale ? 12'd4095 : is_skew ? 12'd127 : 12'd1023;
+    wire [11:0] limit   = low ? lowest : highest;
 
     always @(posedge clk) begin
         if (s_valid) begin
@@ -47,10 +49,12 @@ module classifier_fit (
             correction <= correction >>> 1;
             left       <= left - 3'd1;
         end
-        sum     <= $signed({{7{sign}}, field}) + correction;
+        sum     <= $signed({sign, field}) + $signed(correction[12:0]);
+        far     <= !(&correction[18:12]) && |correction[18:12];
+        minus   <= correction[18];
         sum_d   <= sum[11:0];
-        limited <= sum[18] ? below : above || tiny;
-        limit   <= (sum[18] || tiny) ? lowest : highest;
+        limited <= far || (sum[13] ? below : above || tiny);
+        low     <= far ? minus : sum[13] || (is_scale && !sum[12]);
         value   <= limited ? limit : sum_d;
         if (clears) value <= 12'd0;
     end

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vote of a track: rules V5 to V7 of docs/recognition.md, class by class.
 //
-// Latency:    2 clocks from s_before and 1 from s_loss to `vote`, 1 more to `winner`, 2 more to `margin`.
+// Latency:    2 clocks from s_before and 1 from s_loss to `vote`, 1 more to `winner`; the second time, 2 more to `margin`.
 // Throughput: 1 class per clock.
 // Stall:      none.
 // Reset:      none; `begins` forgets the classes before.
@@ -20,15 +20,20 @@ module classifier_vote (
     input  wire [7:0]  s_loss,    // a clock later
     input  wire        s_more,    // 1 more
 
-    input  wire        is_class,  // `vote` is that of a class; classes come from the first to the last
+    // `vote` is that of a class. Classes come from the first to the last, and then, after `turns`, once more: `again` is high
+    input  wire        is_class,
     input  wire [3:0]  class_id,
+    input  wire        turns,
+    input  wire        again,
 
     output reg  [14:0] vote,
     output reg  [3:0]  winner,
     output reg  [14:0] margin
 );
 
-    reg [14:0] base, least, second;
+    reg [14:0] base;
+    reg [14:0] least;    // of these votes; the second time, of those but the winner's
+    reg [14:0] smallest; // of all
 
     wire [15:0] total = {base, 1'b1} + {7'd0, s_loss, s_more};
 
@@ -37,20 +42,11 @@ module classifier_vote (
         if (blank) base <= 15'd0;
         vote   <= total[15:1];
         if (clears) vote <= 15'd0;
-        margin <= second - least;
-        if (is_class) begin
-            if (vote < least) begin
-                least  <= vote;
-                second <= least;
-                winner <= class_id;
-            end else if (vote < second) begin
-                second <= vote;
-            end
-        end
-        if (begins) begin
-            least  <= 15'h7FFF;
-            second <= 15'h7FFF;
-        end
+        margin <= least - smallest;
+        if (is_class && vote < least && !(again && class_id == winner)) least <= vote;
+        if (is_class && vote < least && !again) winner <= class_id;
+        if (turns) smallest <= least;
+        if (begins || turns) least <= 15'h7FFF;
     end
 
 endmodule
