@@ -77,8 +77,8 @@ module classifier_evaluator #(
     localparam [4:0] FIELD_WRITE = 5'd18, EVENTS_WRITE = 5'd19, FIELD_READ = 5'd20;
     localparam [4:0] CLASS_FIRST = 5'd8;   // word with the ninth weight of the first class, up to WORD_LAST
     localparam [4:0] VOTES_FIRST = 5'd30;  // word in which the votes begin: with entry 15, then 0, by two words
-    localparam [4:0] VOTES_LAST  = 5'd28;
-    localparam [4:0] COMPARED_LAST = 5'd27;
+    localparam [4:0] VOTES_LAST  = 5'd29;
+    localparam [4:0] COMPARED_LAST = 5'd28;
     localparam [3:0] ROW_FIELDS  = 4'd10;  // rows of a slot: votes, fields, and the number of windows in the vote
     localparam [3:0] ROW_EVENTS  = 4'd11;  // with the fields for events, and the scale of x for the evaluation
 
@@ -102,8 +102,6 @@ module classifier_evaluator #(
     wire to_vote   = unit_ends && (scoring || (s_young && unit == FIT_LAST));
     wire to_score  = unit_ends && hidden && unit == OUTPUT_LAST;
 
-    assign word     = word_reg;
-    assign word_bit = word_bit_reg;
     wire to_compare = voting && word_reg == VOTES_LAST;
 
     assign s_done   = comparing && word_reg == COMPARED_LAST;
@@ -141,40 +139,41 @@ module classifier_evaluator #(
 
     // ---- what is under way, by cycle ---------------------------------------------------------------------------------
 
-    reg [2:1]  adds, begins;  // rows of a sum
-    reg [11:1] ends;          // of a unit's words
-    reg [2:1]  hidden_d;
-    reg [3:1]  first_hidden;
-    reg [4:1]  multiplies;    // with weights of the second layer
-    reg [4:1]  scores;        // is compared with the largest
-    reg [5:1]  reads_field;
-    reg [8:1]  has_turn;      // in the votes
-    reg [8:1]  compares;      // its vote, with the least
-    reg [3:0]  class_1, class_2, class_3, class_4, class_5, class_6, class_7, class_8;
-    reg [8:5]  counts;        // the class is one of `classes`
+    reg [3:1]  adds, begins;  // rows of a sum
+    reg [12:1] ends;          // of a unit's words
+    reg [3:1]  hidden_d;
+    reg [4:1]  first_hidden;
+    reg [5:1]  multiplies;    // with weights of the second layer
+    reg [5:1]  scores;        // is compared with the largest
+    reg [3:1]  reads_field;
+    reg [9:1]  has_turn;      // in the votes
+    reg [9:1]  compares;      // its vote, with the least
+    reg [3:0]  class_1, class_2, class_3, class_4, class_5, class_6, class_7, class_8, class_9;
+    reg [9:6]  counts;        // the class is one of `classes`
 
     wire [3:0] class_0  = voting ? word_reg[4:1] : {!word_reg[3], word_reg[2:0]};
     wire       is_ninth = word_reg[4] || word_reg[3];
 
     always @(posedge clk) begin
-        adds         <= {adds[1], running && !behind};
-        begins       <= {begins[1], word_reg == 5'd0};
-        ends         <= {ends[10:1], word_reg == WORD_LAST};
-        hidden_d     <= {hidden_d[1], hidden};
-        first_hidden <= {first_hidden[2:1], unit == FIT_LAST + 6'd1};
-        multiplies   <= {multiplies[3:1], hidden && is_ninth};
-        scores       <= {scores[3:1], scoring};
-        reads_field  <= {reads_field[4:1], fit_ends};
-        compares     <= {compares[7:1], comparing};
-        has_turn     <= {has_turn[7:1], voting && !word_reg[0] && !(word_reg[4] && word_reg[2] && !word_reg[3])};
+        adds         <= {adds[2:1], running && !behind};
+        begins       <= {begins[2:1], word_reg == 5'd0};
+        ends         <= {ends[11:1], word_reg == WORD_LAST};
+        hidden_d     <= {hidden_d[2:1], hidden};
+        first_hidden <= {first_hidden[3:1], unit == FIT_LAST + 6'd1};
+        multiplies   <= {multiplies[4:1], hidden && is_ninth};
+        scores       <= {scores[4:1], scoring};
+        reads_field  <= {reads_field[2:1], fit_ends};
+        compares     <= {compares[8:1], comparing};
+        has_turn     <= {has_turn[8:1], voting && !word_reg[0] && !(word_reg[4] && word_reg[2] && !word_reg[3])};
         {class_1, class_2, class_3, class_4} <= {class_0, class_1, class_2, class_3};
         {class_5, class_6, class_7, class_8} <= {class_4, class_5, class_6, class_7};
-        counts <= {counts[7:5], class_4 < classes};
+        class_9 <= class_8;
+        counts  <= {counts[8:6], class_5 < classes};
         if (rst) begin
-            multiplies <= 4'd0;
-            scores     <= 4'd0;
-            has_turn   <= 8'd0;
-            compares   <= 8'd0;
+            multiplies <= 5'd0;
+            scores     <= 5'd0;
+            has_turn   <= 9'd0;
+            compares   <= 9'd0;
         end
     end
 
@@ -184,30 +183,45 @@ module classifier_evaluator #(
     // while no window is evaluated.
     localparam [ROW_W-1:0] ROW_START = 767;
 
-    wire       of_slot  = behind || voting || comparing;
-    wire       of_start = !running || (fitting && s_young && word_reg == FIELD_READ);
-    wire [3:0] index    = (voting && !word_reg[0]) ? class_8 : (voting || comparing) ? class_3
+    reg  [4:0]       word_1;
+    reg  [8:0]       word_bit_1;
+    reg  [ROW_W-1:0] row_1;
+    reg  [3:0]       write_1;
+    reg              start_1;
+    reg              skew_1;
+    wire [3:0]       index = voting ? (word_reg[0] ? class_3 : class_8) : comparing ? class_3
         : (word_reg == EVENTS_WRITE) ? ROW_EVENTS : field_row;
 
     wire [ROW_W-1:0] slot_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
         | {{(ROW_W - 4 - SLOT_W) {1'b0}}, s_slot, index};
-
-    assign row = of_start ? ROW_START : of_slot ? slot_row : row_reg;
 
     // From cycle 4 of moment m to 24, `unit` is m + 1.
     wire is_scale     = unit[2:0] == 3'd2 || unit[2:0] == 3'd4;
     wire is_skew      = unit[2:0] == 3'd5;
     wire writes_field = fitting && unit[2:0] != 3'd0 && word_reg == FIELD_WRITE;
     wire for_events   = fitting && word_reg == EVENTS_WRITE;
-    wire writes_vote  = voting && has_turn[8];
 
     wire [11:0] value;
     wire [14:0] vote;
 
-    assign row_write  = {for_events && unit[2:0] == 3'd3, for_events && unit[2:0] == 3'd1,
-        !running || (for_events && unit[2:0] == 3'd4), !running || writes_field || writes_vote};
-    assign row_data   = {vote[14:12], (running ? 12'd0 : scale_start) | value | vote[11:0]};
-    assign skew_valid = for_events && is_skew;
+    always @(posedge clk) begin
+        word_1     <= word_reg;
+        word_bit_1 <= word_bit_reg;
+        row_1      <= (behind || voting || comparing) ? slot_row : row_reg;
+        if (!running || (fitting && s_young && word_reg == FIELD_READ)) row_1 <= ROW_START;
+        write_1    <= {for_events && unit[2:0] == 3'd3, for_events && unit[2:0] == 3'd1, for_events && unit[2:0] == 3'd4,
+            writes_field || (voting && has_turn[8])};
+        if (!running) write_1 <= 4'b0011;
+        start_1    <= !running;
+        skew_1     <= for_events && is_skew;
+    end
+
+    assign word       = word_1;
+    assign word_bit   = word_bit_1;
+    assign row        = row_1;
+    assign row_write  = write_1;
+    assign row_data   = {vote[14:12], (start_1 ? scale_start : 12'd0) | value | vote[11:0]};
+    assign skew_valid = skew_1;
     assign skew       = value[7:0];
 
     // ---- the field that a moment corrects ----------------------------------------------------------------------------
@@ -217,7 +231,7 @@ module classifier_evaluator #(
     reg [2:0]  fit_shift;
 
     always @(posedge clk) begin
-        if (reads_field[2]) begin
+        if (reads_field[3]) begin
             field <= kept[11:0];
             if (s_young && !is_scale) field <= 12'd0;
         end
@@ -237,12 +251,12 @@ module classifier_evaluator #(
     reg         [7:0]  voted;
     reg         [7:0]  least_mean; // margin_min while votes are compared
     wire signed [28:0] product;
-    wire        [12:0] ninth_13 = {{5{ninth[7]}}, ninth} & {13{hidden_d[2]}};
+    wire        [12:0] ninth_13 = {{5{ninth[7]}}, ninth} & {13{hidden_d[3]}};
 
     classifier_sum u_sum (
         .clk      (clk),
-        .s_valid  ({4{adds[2]}} & filled),
-        .s_begin  (begins[2]),
+        .s_valid  ({4{adds[3]}} & filled),
+        .s_begin  (begins[3]),
         .s_weights(weights),
         .s_cells  (cells),
         .sum      (sum)
@@ -267,30 +281,30 @@ module classifier_evaluator #(
     // ---- scores ------------------------------------------------------------------------------------------------------
 
     reg  [20:0] score [0:15];
-    reg  [20:0] score_4, score_most;
+    reg  [20:0] score_5, score_most;
     wire [21:0] score_next;
 
     classifier_score #(
         .W(22)
     ) u_score (
-        .minus  (!multiplies[4]),
-        .score  ({score_4[20], score_4}),
+        .minus  (!multiplies[5]),
+        .score  ({score_5[20], score_5}),
         .product({{6{product[15]}}, product[15:0]}),
         .most   ({score_most[20], score_most}),
         .y      (score_next)
     );
 
     always @(posedge clk) begin
-        score_4 <= score[class_3];
-        if (first_hidden[3]) score_4 <= 21'd0;
-        if (multiplies[4]) score[class_4] <= score_next[20:0];
-        if (scores[4] && class_4 < classes && (class_4 == 4'd0 || score_next[21])) score_most <= score_4;
+        score_5 <= score[class_4];
+        if (first_hidden[4]) score_5 <= 21'd0;
+        if (multiplies[5]) score[class_5] <= score_next[20:0];
+        if (scores[5] && class_5 < classes && (class_5 == 4'd0 || score_next[21])) score_most <= score_5;
     end
 
     // ---- hidden units and losses: shifted, and limited to 0 to 255 ---------------------------------------------------
 
     wire [20:0] operand = voting ? score_next[20:0] : {1'b0, sum[19:0]};
-    wire        is_none = fitting || comparing || (voting ? class_4 == 4'd15 : sum[19]);
+    wire        is_none = fitting || comparing || (voting ? class_5 == 4'd15 : sum[19]);
     wire [3:0]  shift   = voting ? shift_2 : shift_1;
     wire [10:0] coarse_0;
     wire [7:0]  fine_0;
@@ -328,7 +342,7 @@ module classifier_evaluator #(
         fine         <= fine_0;
         is_beyond    <= (rest[2] && coarse_shift != 2'd3) || (rest[1] && !coarse_shift[1]) || (rest[0] && coarse_shift == 2'd0)
             || (coarse[10] && fine_shift != 2'd3) || (coarse[9] && !fine_shift[1]) || (coarse[8] && fine_shift == 2'd0);
-        if (ends[10] || fitting || voting || comparing) amount <= is_beyond ? 8'd255 : fine;
+        if (ends[11] || fitting || voting || comparing) amount <= is_beyond ? 8'd255 : fine;
     end
 
     // ---- fit ---------------------------------------------------------------------------------------------------------
@@ -339,7 +353,7 @@ module classifier_evaluator #(
         .is_scale (is_scale),
         .is_skew  (is_skew),
         .field    (field),
-        .s_valid  (ends[11]),
+        .s_valid  (ends[12]),
         .s_product(product[28:10]),
         .s_shift  (fit_shift),
         .value    (value)
@@ -353,12 +367,12 @@ module classifier_evaluator #(
 
     always @(posedge clk) begin
         before <= kept;
-        if (has_turn[5] && class_5 == 4'd15) begin
+        if (has_turn[6] && class_6 == 4'd15) begin
             blank  <= s_young || kept[7:0] == 8'd0;
             halves <= kept[7];  // 128
         end
         if (comparing) {blank, halves} <= 2'b00;
-        if (has_turn[8] && class_8 == 4'd15) voted <= vote[7:0];
+        if (has_turn[9] && class_9 == 4'd15) voted <= vote[7:0];
     end
 
     classifier_vote u_vote (
@@ -368,12 +382,12 @@ module classifier_evaluator #(
         .halves  (halves),
         .s_before(before),
         .s_loss  (amount),
-        .s_more  (class_7 == 4'd15 && !s_young),
-        .clears  (!(voting || comparing) || s_done),
-        .is_class(counts[8] && (has_turn[8] || compares[8])),
+        .s_more  (class_8 == 4'd15 && !s_young),
+        .clears  (!(voting || comparing)),
+        .is_class(counts[9] && (has_turn[9] || compares[9])),
         .turns   (to_compare),
         .again   (comparing),
-        .class_id(class_8),
+        .class_id(class_9),
         .vote    (vote),
         .winner  (winner),
         .margin  (m_margin)

@@ -31,16 +31,28 @@ module classifier_vote (
     output reg  [14:0] margin
 );
 
-    reg [14:0] base;
+    reg [14:0] whole, half;  // the vote before: one of them is 0
     reg [14:0] least;    // of these votes; the second time, of those but the winner's
     reg [14:0] smallest; // of all
 
-    wire [15:0] total = {base, 1'b1} + {7'd0, s_loss, s_more};
+    wire [14:0] total;
+
+    classifier_vote_sum #(
+        .W(15)
+    ) u_total (
+        .a    (whole),
+        .or_a (half),
+        .b    ({7'd0, s_loss}),
+        .carry(s_more),
+        .y    (total)
+    );
 
     always @(posedge clk) begin
-        base <= halves ? {1'b0, s_before[14:1]} : s_before;
-        if (blank) base <= 15'd0;
-        vote   <= total[15:1];
+        whole <= s_before;
+        half  <= {1'b0, s_before[14:1]};
+        if (blank || halves) whole <= 15'd0;
+        if (blank || !halves) half <= 15'd0;
+        vote   <= total;
         if (clears) vote <= 15'd0;
         margin <= least - smallest;
         if (is_class && vote < least && !(again && class_id == winner)) least <= vote;
