@@ -229,21 +229,25 @@ module classifier #(
     localparam [ROW_W-1:0] ROW_START  = 767;
     localparam [3:0]       ROW_EVENTS = 4'd11;
 
-    wire [ROW_W-1:0] event_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
-        | {{(ROW_W - 4 - SLOT_W) {1'b0}}, slot_s1, ROW_EVENTS};
-    reg  [ROW_W-1:0] event_row_s2;
-    reg  [1:0]       bank_1, bank_2;
+    reg  [SLOT_W-1:0] slot_s2;
+    reg               young_s2;
+    wire [ROW_W-1:0]  slot_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
+        | {{(ROW_W - 4 - SLOT_W) {1'b0}}, slot_s2, ROW_EVENTS};
+    reg  [1:0]       bank_1;
     wire [3:0]       this_bank = 4'd1 << weight_address[1:0];
     wire [ROW_W-1:0] row;
     wire [3:0]       row_write;
     wire [14:0]      row_data;
     wire [71:0]      kept;
+
+    // While the host reads, the other banks are 0.
+    assign weight_read = fields[17:0] | fields[35:18] | fields[53:36] | fields[71:54];
     wire [63:0]      weights;
     wire [7:0]       ninth;
 
     always @(posedge clk) begin
-        event_row_s2     <= young ? ROW_START : event_row;
-        {bank_1, bank_2} <= {weight_address[1:0], bank_1};
+        {slot_s2, young_s2} <= {slot_s1, young};
+        bank_1              <= weight_address[1:0];
     end
 
     classifier_weights #(
@@ -251,8 +255,9 @@ module classifier #(
     ) u_weights (
         .clk      (clk),
         .a_write  ((weight_valid && weight_ready) ? this_bank : 4'd0),
-        .a_row    (enable ? event_row_s2 : weight_address[ROW_W+1:2]),
+        .a_row    (!enable ? weight_address[ROW_W+1:2] : young_s2 ? ROW_START : slot_row),
         .a_data   (weight_data),
+        .a_clears (enable ? 4'd0 : ~(4'd1 << bank_1)),
         .a_banks  (fields),
         .b_write  (row_write),
         .b_row    (row),
@@ -260,14 +265,6 @@ module classifier #(
         .b_banks  (kept),
         .b_weights(weights),
         .b_ninth  (ninth)
-    );
-
-    mux4 #(
-        .W(18)
-    ) u_read (
-        .select(bank_2),
-        .words (fields),
-        .y     (weight_read)
     );
 
     wire        verdict_valid, verdict_ready;

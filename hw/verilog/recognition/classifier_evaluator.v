@@ -110,7 +110,7 @@ module classifier_evaluator #(
         word_reg <= word_reg + 5'd1;
         if (word_reg[0]) word_bit_reg <= word_bit_reg << 1;
         if (!behind) row_reg <= row_reg + 1'b1;
-        if (fitting && word_reg == EVENTS_WRITE) field_row <= field_row + 4'd1;
+        if (fitting && word_reg == FIELD_WRITE) field_row <= field_row + 4'd1;
         if (unit_ends) begin
             word_reg     <= to_vote ? VOTES_FIRST : to_score ? CLASS_FIRST : 5'd0;
             word_bit_reg <= 9'd1;
@@ -189,8 +189,8 @@ module classifier_evaluator #(
     reg  [3:0]       write_1;
     reg              start_1;
     reg              skew_1;
-    wire [3:0]       index = voting ? (word_reg[0] ? class_3 : class_8) : comparing ? class_3
-        : (word_reg == EVENTS_WRITE) ? ROW_EVENTS : field_row;
+    reg  [3:0]       vote_index, field_index;  // one of them is 0
+    wire [3:0]       index = vote_index | field_index;
 
     wire [ROW_W-1:0] slot_row = ((N > 16) ? {1'b1, {(ROW_W - 1) {1'b0}}} : {2'b11, {(ROW_W - 2) {1'b0}}})
         | {{(ROW_W - 4 - SLOT_W) {1'b0}}, s_slot, index};
@@ -205,6 +205,10 @@ module classifier_evaluator #(
     wire [14:0] vote;
 
     always @(posedge clk) begin
+        vote_index  <= (voting && word_reg[0]) ? class_7 : class_2;
+        field_index <= (word_reg == FIELD_WRITE) ? ROW_EVENTS : field_row;
+        if (fitting) vote_index <= 4'd0;
+        if (!fitting) field_index <= 4'd0;
         word_1     <= word_reg;
         word_bit_1 <= word_bit_reg;
         row_1      <= (behind || voting || comparing) ? slot_row : row_reg;
@@ -240,7 +244,7 @@ module classifier_evaluator #(
         if (is_skew) factor[8] <= 1'b1;
         if (!is_scale && !is_skew) factor[10] <= 1'b1;
         if (!fitting) factor <= 13'd0;
-        fit_shift <= window_log2[2:0] - (s_young ? 3'd7 : 3'd5);
+        fit_shift <= window_log2[2:0] + (s_young ? 3'd0 : 3'd2);
     end
 
     // ---- sums, and the one multiplier for all else -------------------------------------------------------------------
@@ -312,7 +316,7 @@ module classifier_evaluator #(
     reg  [1:0]  coarse_shift, fine_shift;
     reg  [2:0]  rest;       // operand has bits from 11, 15, 19 on
     reg  [7:0]  fine;
-    reg         is_beyond;
+    reg  [1:0]  is_beyond;
 
     mux4 #(
         .W(11)
@@ -340,9 +344,9 @@ module classifier_evaluator #(
             rest   <= 3'd0;
         end
         fine         <= fine_0;
-        is_beyond    <= (rest[2] && coarse_shift != 2'd3) || (rest[1] && !coarse_shift[1]) || (rest[0] && coarse_shift == 2'd0)
-            || (coarse[10] && fine_shift != 2'd3) || (coarse[9] && !fine_shift[1]) || (coarse[8] && fine_shift == 2'd0);
-        if (ends[11] || fitting || voting || comparing) amount <= is_beyond ? 8'd255 : fine;
+        is_beyond[0] <= (rest[2] && coarse_shift != 2'd3) || (rest[1] && !coarse_shift[1]) || (rest[0] && coarse_shift == 2'd0);
+        is_beyond[1] <= (coarse[10] && fine_shift != 2'd3) || (coarse[9] && !fine_shift[1]) || (coarse[8] && fine_shift == 2'd0);
+        if (ends[11] || fitting || voting || comparing) amount <= |is_beyond ? 8'd255 : fine;
     end
 
     // ---- fit ---------------------------------------------------------------------------------------------------------
@@ -354,7 +358,7 @@ module classifier_evaluator #(
         .is_skew  (is_skew),
         .field    (field),
         .s_valid  (ends[12]),
-        .s_product(product[28:10]),
+        .s_product(product[28:11]),
         .s_shift  (fit_shift),
         .value    (value)
     );

@@ -21,6 +21,7 @@ module classifier_weights #(
     input  wire [3:0]       a_write,    // by banks
     input  wire [ROW_W-1:0] a_row,
     input  wire [17:0]      a_data,
+    input  wire [3:0]       a_clears,   // by banks: a clock later its words are 0
     output wire [71:0]      a_banks,
 
     // evaluation
@@ -44,6 +45,7 @@ module classifier_weights #(
                 if (a_write[b]) memory[a_row] <= a_data;
                 a_ram <= memory[a_row];
                 a_out <= a_ram;
+                if (a_clears[b]) a_out <= 18'd0;
             end
 
             always @(posedge clk) begin
