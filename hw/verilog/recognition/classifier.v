@@ -79,39 +79,29 @@ module classifier #(
 
     // ---- registers ---------------------------------------------------------------------------------------------------
 
-    reg        enable;
-    reg [3:0]  window_log2, shift_1, shift_2, classes;
-    reg [11:0] scale_start;
-    reg [7:0]  margin_min;
+    wire        enable;
+    wire [3:0]  window_log2, shift_1, shift_2, classes;
+    wire [11:0] scale_start;
+    wire [7:0]  margin_min;
+    wire        restart = cfg_valid && cfg_ready;
 
     assign weight_ready = !enable;
     assign s_ready      = 1'b1;
 
-    wire restart = cfg_valid && cfg_ready;
-
-    always @(posedge clk) begin
-        if (restart) begin
-            case (cfg_addr)
-                3'd0: enable <= cfg_data[0];
-                3'd1: window_log2 <= cfg_data[3:0];
-                3'd2: scale_start <= cfg_data;
-                3'd3: shift_1 <= cfg_data[3:0];
-                3'd4: shift_2 <= cfg_data[3:0];
-                3'd5: classes <= cfg_data[3:0];
-                3'd6: margin_min <= cfg_data[7:0];
-                default: ;
-            endcase
-        end
-        if (rst) begin
-            enable      <= 1'b0;
-            window_log2 <= 4'd10;
-            scale_start <= 12'd984;
-            shift_1     <= 4'd8;
-            shift_2     <= 4'd8;
-            classes     <= 4'd10;
-            margin_min  <= 8'd0;
-        end
-    end
+    classifier_registers u_registers (
+        .clk        (clk),
+        .rst        (rst),
+        .write      (restart),
+        .address    (cfg_addr),
+        .data       (cfg_data),
+        .enable     (enable),
+        .window_log2(window_log2),
+        .scale_start(scale_start),
+        .shift_1    (shift_1),
+        .shift_2    (shift_2),
+        .classes    (classes),
+        .margin_min (margin_min)
+    );
 
     // ---- events ------------------------------------------------------------------------------------------------------
 

@@ -56,8 +56,10 @@ module classifier_windows #(
     // ---- state of the slots ------------------------------------------------------------------------------------------
 
     // A slot without events since the last restart is fresh, whatever its memory says.
-    reg [N-1:0] used;
-    reg [N-1:0] pending;
+    wire [N-1:0] used;
+    wire [N-1:0] pending;
+    reg [N-1:0] released;                       // no longer pending
+    reg         was_released;                   // s_slot
     reg [14:0]  state [0:N-1];
     reg [N-1:0] slot_bit;                       // of s_slot
     wire        was_open, was_young, was_last;  // open: events were counted; last: this one closes the window
@@ -73,7 +75,7 @@ module classifier_windows #(
 
     wire was_used = |(used & slot_bit);
 
-    assign counts = s_valid && enable && s_visible && !(|(pending & slot_bit));
+    assign counts = s_valid && enable && s_visible && (was_released || !(|(pending & slot_bit)));
     assign first  = !(was_used && was_open);
     assign young  = !was_used || was_young;
 
@@ -108,35 +110,55 @@ module classifier_windows #(
         if (writes) state[s_slot] <= {s_visible && !full, !s_visible || (young && !full), left_next};
     end
 
-    // ---- rule Q2, a clock ahead of its event -------------------------------------------------------------------------
+    classifier_flags #(
+        .N(N)
+    ) u_used (
+        .clk     (clk),
+        .rst     (rst || restart),
+        .sets    (writes),
+        .set_slot(slot_bit),
+        .clears  ({N{1'b0}}),
+        .flags   (used)
+    );
+
+    classifier_flags #(
+        .N(N)
+    ) u_pending (
+        .clk     (clk),
+        .rst     (rst || restart),
+        .sets    (closes),
+        .set_slot(slot_bit),
+        .clears  (released),
+        .flags   (pending)
+    );
+
+    // ---- rule Q2; a window is released a clock before the event that does it is decided ------------------------------
 
     // A maximal-length shift register counts events: from 768 in busy to 2, in which the next event makes it 1.
     localparam [9:0] BUSY_768 = 10'd1, BUSY_2 = 10'd784;
 
     reg  [9:0] busy;
-    wire       waits    = released_to != closed_to || closes;
-    wire       releases = ahead_valid && is_due;
+    wire       waits    = released_to != closed_to;
+    wire       will_be_due = s_valid ? waits && busy == BUSY_2 : is_due;
+    wire       releases = ahead_valid && will_be_due;
 
     always @(posedge clk) begin
-        if (ahead_valid) begin
-            busy   <= {busy[8:0], busy[9] ^ busy[6]};
-            is_due <= waits && busy == BUSY_2;
+        is_due <= will_be_due;
+        if (s_valid) begin
+            busy <= {busy[8:0], busy[9] ^ busy[6]};
             if (is_due || !waits) busy <= BUSY_768;
         end
         slot_bit <= one_slot(ahead_slot);
-        pending  <= (pending & ~(one_slot(released_slot) & {N{releases}})) | (slot_bit & {N{closes}});
-        used     <= used | (slot_bit & {N{writes}});
-        if (releases) released_to <= released_to + 1'b1;
+        was_released <= releases && released_slot == ahead_slot;
+        released <= one_slot(released_slot);
+        if (!releases) released <= {N{1'b0}};
+        if (s_valid && is_due) released_to <= released_to + 1'b1;
         if (closes) closed_to <= closed_to + 1'b1;
         if (head_done) evaluated_to <= evaluated_to + 1'b1;
         settling <= {settling[SETTLE-2:0], closes};
         if (settling[SETTLE-1]) settled_to <= settled_to + 1'b1;
         restarted <= restart;
         if (restarted) released_to <= closed_to;  // a clock late: no window closes so soon
-        if (restart || rst) begin
-            used    <= {N{1'b0}};
-            pending <= {N{1'b0}};
-        end
         if (rst) begin
             released_to  <= {(SLOT_W + 1) {1'b0}};
             evaluated_to <= {(SLOT_W + 1) {1'b0}};
@@ -145,7 +167,7 @@ module classifier_windows #(
             settling     <= {SETTLE{1'b0}};
             restarted    <= 1'b0;
         end
-        if (restart || restarted || rst) is_due <= 1'b0;
+        if (restarted || rst) is_due <= 1'b0;
     end
 
     // ---- the queue ---------------------------------------------------------------------------------------------------
