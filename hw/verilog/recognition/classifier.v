@@ -192,7 +192,7 @@ module classifier #(
     );
 
     wire [4:0]  word;
-    wire [8:0]  word_bit;
+    wire [7:0]  word_bit;
     wire [31:0] cells;
     wire [3:0]  filled;
 

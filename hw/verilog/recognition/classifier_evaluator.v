@@ -44,7 +44,7 @@ module classifier_evaluator #(
 
     // its image
     output wire [4:0]        word,
-    output wire [8:0]        word_bit,     // bit word / 2
+    output wire [7:0]        word_bit,     // bit word / 2, but of words 16 and 17
     input  wire [31:0]       cells,
     input  wire [3:0]        filled,       // by pairs of cells: else both are 0
 
@@ -91,7 +91,7 @@ module classifier_evaluator #(
     reg             comparing;  // the votes with the least
     reg [5:0]       unit;
     reg [4:0]       word_reg;
-    reg [8:0]       word_bit_reg;
+    reg [7:0]       word_bit_reg;
     reg [ROW_W-1:0] row_reg;
     reg [3:0]       field_row;
 
@@ -113,7 +113,7 @@ module classifier_evaluator #(
         if (fitting && word_reg == FIELD_WRITE) field_row <= field_row + 4'd1;
         if (unit_ends) begin
             word_reg     <= to_vote ? VOTES_FIRST : to_score ? CLASS_FIRST : 5'd0;
-            word_bit_reg <= 9'd1;
+            word_bit_reg <= 8'd1;
             unit         <= unit + 6'd1;
             if (unit == FIT_LAST) fitting <= 1'b0;
             scoring <= to_score;
@@ -130,7 +130,7 @@ module classifier_evaluator #(
             fitting      <= s_valid;
             unit         <= 6'd0;
             word_reg     <= 5'd0;
-            word_bit_reg <= 9'd1;
+            word_bit_reg <= 8'd1;
             row_reg      <= {ROW_W{1'b0}};
             field_row    <= ROW_FIELDS - 4'd1;
         end
@@ -184,7 +184,7 @@ module classifier_evaluator #(
     localparam [ROW_W-1:0] ROW_START = 767;
 
     reg  [4:0]       word_1;
-    reg  [8:0]       word_bit_1;
+    reg  [7:0]       word_bit_1;
     reg  [ROW_W-1:0] row_1;
     reg  [3:0]       write_1;
     reg              start_1;

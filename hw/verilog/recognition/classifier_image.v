@@ -30,7 +30,7 @@ module classifier_image #(
     // evaluation, of slots without events
     input  wire [SLOT_W-1:0] read_slot,
     input  wire [4:0]        read_word,
-    input  wire [8:0]        read_bit,   // bit read_word / 2
+    input  wire [7:0]        read_bit,   // bit read_word / 2, but of words 16 and 17
     output wire [31:0]       cells,
     output wire [3:0]        filled      // by pairs of cells. Low: both are 0, whatever `cells` says
 );
@@ -38,7 +38,7 @@ module classifier_image #(
     parameter_check #(.OK(N >= 1)) N_must_be_at_least_1 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
-    localparam HALF   = 9;  // words of an image that are even, and that are odd
+    localparam HALF   = 8;  // words 0 to 15 of an image that are even, and that are odd
     localparam ADDR_W = SLOT_W + 5;
     localparam DEPTH  = 1 << ADDR_W;
 
@@ -52,34 +52,38 @@ module classifier_image #(
     reg [1:0]        pair_1, pair_2, pair_3, pair_4, pair_5;  // byte of the word
     reg              lane_1, lane_2, lane_3, lane_4, lane_5;  // cell of the pair
     reg              half_2;              // a word of its half was written before
-    reg [4:0]        bits_2;              // its own was, by two words
+    reg              last_2;              // its own was, of words 16 and 17
+    reg [3:0]        bits_2;              // its own was, by two words
     reg              written_3;
     reg              opens_4, opens_5;    // its word was not
 
-    // Of a slot's even or odd words, if one of them was written: `halves` says.
+    // Of a slot's even or odd words, if one of them was written: bits 0 and 1 of `halves` say. Bits 2 and 3 are of words 16 and 17.
     (* no_rw_check *) reg [HALF-1:0] written [0:2*N-1];
-    (* no_rw_check, ram_style = "distributed" *) reg [1:0] halves [0:N-1];
+    (* no_rw_check, ram_style = "distributed" *) reg [3:0] halves [0:N-1];
 
     wire [SLOT_W-1:0] slot_1       = address_1[ADDR_W-1:5];
     wire              is_odd_1     = address_1[0];
-    wire [1:0]        known_halves = halves[slot_1] & {2{!first_1}};
+    wire              is_last_1    = address_1[4];
+    wire [3:0]        known_halves = halves[slot_1] & {4{!first_1}};
+    wire [3:0]        this_half    = 4'd1 << {is_last_1, is_odd_1};
     wire              known_half   = is_odd_1 ? known_halves[1] : known_halves[0];
     wire [HALF-1:0]   stored_words = written[{slot_1, is_odd_1}];
 
-    function [4:0] by_twos;
+    function [3:0] by_twos;
         input [HALF-1:0] of;
-        by_twos = {of[8], |of[7:6], |of[5:4], |of[3:2], |of[1:0]};
+        by_twos = {|of[7:6], |of[5:4], |of[3:2], |of[1:0]};
     endfunction
 
     always @(posedge clk) begin
-        word_bit_1 <= {{(HALF - 1) {1'b0}}, 1'b1} << s_word[4:1];
-        half_2     <= known_half;
+        word_bit_1 <= {{(HALF - 1) {1'b0}}, 1'b1} << s_word[3:1];
+        half_2     <= known_half && !is_last_1;
+        last_2     <= is_last_1 && (is_odd_1 ? known_halves[3] : known_halves[2]);
         bits_2     <= by_twos(stored_words & word_bit_1);
-        written_3  <= half_2 && |bits_2;
-        if (valid_1) begin
+        written_3  <= last_2 || (half_2 && |bits_2);
+        if (valid_1 && !is_last_1) begin
             written[{slot_1, is_odd_1}] <= (stored_words & {HALF{known_half}}) | word_bit_1;
-            halves[slot_1]              <= known_halves | {is_odd_1, !is_odd_1};
         end
+        if (valid_1) halves[slot_1] <= known_halves | this_half;
     end
 
     // ---- events ------------------------------------------------------------------------------------------------------
@@ -144,10 +148,10 @@ module classifier_image #(
     (* no_rw_check *) reg [8:0]  counted [0:4*DEPTH-1];
     (* no_rw_check *) reg [35:0] shown   [0:DEPTH-1];
     reg [35:0] word_1, word_2;
-    reg        read_half_1, filled_2;
-    reg [4:0]  read_bits_1;  // by two words
+    reg        read_half_1, read_last_1, filled_2;
+    reg [3:0]  read_bits_1;  // by two words
 
-    wire [1:0] read_halves = halves[read_slot];
+    wire [3:0] read_halves = halves[read_slot];
 
     wire [3:0] this_pair = 4'd1 << pair_5;
     wire [3:0] writes    = valid_5 ? (opens_5 ? 4'b1111 : this_pair) : 4'b0000;
@@ -167,9 +171,10 @@ module classifier_image #(
         if (writes[3]) shown[address_5][35:27] <= {this_pair[3], byte_next};
         word_1   <= shown[{read_slot, read_word}];
         word_2   <= word_1;
-        read_half_1 <= read_word[0] ? read_halves[1] : read_halves[0];
+        read_half_1 <= (read_word[0] ? read_halves[1] : read_halves[0]) && !read_word[4];
+        read_last_1 <= (read_word[0] ? read_halves[3] : read_halves[2]) && read_word[4];
         read_bits_1 <= by_twos(written[{read_slot, read_word[0]}] & read_bit);
-        filled_2    <= read_half_1 && |read_bits_1;
+        filled_2    <= read_last_1 || (read_half_1 && |read_bits_1);
     end
 
     assign cells  = {word_2[34:27], word_2[25:18], word_2[16:9], word_2[7:0]};
