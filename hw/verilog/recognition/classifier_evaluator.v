@@ -77,7 +77,7 @@ module classifier_evaluator #(
     localparam [4:0] FIELD_WRITE = 5'd18, EVENTS_WRITE = 5'd19, FIELD_READ = 5'd20;
     localparam [4:0] CLASS_FIRST = 5'd8;   // word with the ninth weight of the first class, up to WORD_LAST
     localparam [4:0] VOTES_FIRST = 5'd30;  // word in which the votes begin: with entry 15, then 0, by two words
-    localparam [4:0] VOTES_LAST  = 5'd29;
+    localparam [4:0] VOTES_LAST  = 5'd28;
     localparam [4:0] COMPARED_LAST = 5'd28;
     localparam [3:0] ROW_FIELDS  = 4'd10;  // rows of a slot: votes, fields, and the number of windows in the vote
     localparam [3:0] ROW_EVENTS  = 4'd11;  // with the fields for events, and the scale of x for the evaluation
@@ -147,10 +147,12 @@ module classifier_evaluator #(
     reg [5:1]  scores;        // is compared with the largest
     reg [3:1]  reads_field;
     reg [9:1]  has_turn;      // in the votes
-    reg [9:1]  compares;      // its vote, with the least
+    reg [8:1]  compares;      // its vote, with the least
+    reg        compares_9;    // in the votes, too; the second time not the winner's
     reg [3:0]  class_1, class_2, class_3, class_4, class_5, class_6, class_7, class_8, class_9;
-    reg [9:6]  counts;        // the class is one of `classes`
+    reg [8:6]  counts;        // the class is one of `classes`
 
+    wire [3:0] winner;
     wire [3:0] class_0  = voting ? word_reg[4:1] : {!word_reg[3], word_reg[2:0]};
     wire       is_ninth = word_reg[4] || word_reg[3];
 
@@ -163,17 +165,18 @@ module classifier_evaluator #(
         multiplies   <= {multiplies[4:1], hidden && is_ninth};
         scores       <= {scores[4:1], scoring};
         reads_field  <= {reads_field[2:1], fit_ends};
-        compares     <= {compares[8:1], comparing};
-        has_turn     <= {has_turn[8:1], voting && !word_reg[0] && !(word_reg[4] && word_reg[2] && !word_reg[3])};
+        compares     <= {compares[7:1], comparing};
+        compares_9   <= counts[8] && (has_turn[8] || (compares[8] && class_8 != winner));
+        has_turn     <= {has_turn[8:1], voting && !word_reg[0]};
         {class_1, class_2, class_3, class_4} <= {class_0, class_1, class_2, class_3};
         {class_5, class_6, class_7, class_8} <= {class_4, class_5, class_6, class_7};
         class_9 <= class_8;
-        counts  <= {counts[8:6], class_5 < classes};
+        counts  <= {counts[7:6], class_5 < classes};
         if (rst) begin
             multiplies <= 5'd0;
             scores     <= 5'd0;
             has_turn   <= 9'd0;
-            compares   <= 9'd0;
+            compares   <= 8'd0;
         end
     end
 
@@ -214,7 +217,7 @@ module classifier_evaluator #(
         row_1      <= (behind || voting || comparing) ? slot_row : row_reg;
         if (!running || (fitting && s_young && word_reg == FIELD_READ)) row_1 <= ROW_START;
         write_1    <= {for_events && unit[2:0] == 3'd3, for_events && unit[2:0] == 3'd1, for_events && unit[2:0] == 3'd4,
-            writes_field || (voting && has_turn[8])};
+            writes_field || (voting && !to_compare && has_turn[8])};
         if (!running) write_1 <= 4'b0011;
         start_1    <= !running;
         skew_1     <= for_events && is_skew;
@@ -367,7 +370,6 @@ module classifier_evaluator #(
 
     reg         blank, halves;
     reg  [14:0] before;
-    wire [3:0]  winner;
 
     always @(posedge clk) begin
         before <= kept;
@@ -388,7 +390,7 @@ module classifier_evaluator #(
         .s_loss  (amount),
         .s_more  (class_8 == 4'd15 && !s_young),
         .clears  (!(voting || comparing)),
-        .is_class(counts[9] && (has_turn[9] || compares[9])),
+        .is_class(compares_9),
         .turns   (to_compare),
         .again   (comparing),
         .class_id(class_9),

@@ -55,7 +55,7 @@ module classifier_vote (
         vote   <= total;
         if (clears) vote <= 15'd0;
         margin <= least - smallest;
-        if (is_class && vote < least && !(again && class_id == winner)) least <= vote;
+        if (is_class && vote < least) least <= vote;
         if (is_class && vote < least && !again) winner <= class_id;
         if (turns) smallest <= least;
         if (begins || turns) least <= 15'h7FFF;
