@@ -79,7 +79,8 @@ def combinational_paths(
     read = " ".join(str(path) for path in sources or [files[f"{name}.v"] for name in modules()])
     script = [f"read_verilog -defer {includes} {read}", "design -save all"]
     for top in tops:
-        script += ["design -load all", f"hierarchy -top {top}", "proc", "flatten", "memory_collect", "opt_clean"]
+        script += ["design -load all", f"hierarchy -top {top}", "setattr -mod -unset keep_hierarchy *"]
+        script += ["proc", "flatten", "memory_collect", "opt_clean"]
         script.append(f"write_json {top}.json")
     tools.yosys(script, folder)
     return {top: _paths(json.loads((folder / f"{top}.json").read_text())["modules"]) for top in tops}

@@ -9,8 +9,8 @@
 // takes effect before the event of the clock in which it is accepted. Weights can be written and read while `enable` is 0, else
 // weight_ready is low. Verdicts wait in a queue. A verdict that finds the queue full is lost, and `lost` is high for a clock.
 //
-// Latency:    from the event that closes a window to its verdict 760 clocks; 746 more for each verdict that is due before it, and
-//             112 more for each first window of a track.
+// Latency:    from the event that closes a window to its verdict 790 clocks; 765 more for each verdict that is due before it, and
+//             179 more for each first window of a track.
 // Throughput: 1 event per clock; windows as rule Q2 says.
 // Stall:      verdicts are held until accepted. Owned events are never stalled.
 // Reset:      registers get their defaults, windows and queues become empty. Weights stay.

@@ -4,20 +4,21 @@
 // A unit is a sum over 18 rows of the weights, each read with a word of the image. Units 0 to 4 are the moments of the fit, whose
 // weights are constants, units 5 to 36 the hidden layer. classifier_sum.v forms all sums. One more multiplier corrects the
 // normalisation with the moments, and then multiplies hidden units with the second layer's weights: the ninth weights in the last
-// ten rows of the next unit. Then the scores are read for the largest, and once more for the losses and votes, two clocks a class.
+// ten rows of the next unit. Then the scores are read for the largest, once more for the losses and
+// votes, two clocks a class, and the votes for the least but one.
 // The fields of the normalisation and the votes are in the rows of the slot, behind the weights.
 //
 // Units 0 to 5 have three clocks more, words 18 to 20: the field that the moment before has corrected is written, first where the
 // evaluation reads it, then where events do, and the field that this moment corrects is read.
 //
-// Cycles count from the one in which the last word of a unit is addressed: weights and cells come in cycle 2, the sum in 8, a hidden
-// unit in 11; of a moment its product in 11, the field in 22. In the votes they count from the clock in which a class has its turn.
+// Cycles count from the clock in which `word_reg` is the last word of a unit: weights and cells come in cycle 3, the sum in 9, a
+// hidden unit in 12; of a moment its product in 12, the field in 23. In the votes they count from a class's turn.
 //
-// Latency:    744 clocks a window, 157 the first one of a track. Rule Q3 asks for at most 768.
+// Latency:    765 clocks a window, 179 the first one of a track. Rule Q3 asks for at most 768.
 // Throughput: 1 window at a time.
 // Stall:      none.
 // Reset:      ends the evaluation.
-// Combinational paths: from s_slot and s_young to row, from scale_start to row_data, from s_young to m_valid.
+// Combinational paths: from scale_start to row_data, from s_young to m_valid.
 `default_nettype none
 
 module classifier_evaluator #(

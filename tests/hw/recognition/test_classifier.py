@@ -220,7 +220,7 @@ class TestRegisters:
         one = [object_events(np.random.default_rng(1), slot, WINDOW, 40) for slot in (0, 1)]
         done = trial.run(joined(one), [("margin_min", 9)])
         assert done.accepted["s_"][-1] < 600
-        assert done.accepted["cfg_"][0] > 2 * WINDOW + 112, "until the second window is evaluated"
+        assert done.accepted["cfg_"][0] > 2 * WINDOW + 179, "until the second window is evaluated"
 
     def test_disabled_classifier_counts_nothing(self) -> None:
         trial = trial_of(SHORT, halves())
@@ -292,14 +292,14 @@ class TestVerdicts:
 class TestClocks:
     """What the headers of classifier.v and classifier_evaluator.v claim."""
 
-    def test_verdict_comes_760_clocks_after_the_event_that_closes_the_window(self) -> None:
+    def test_verdict_comes_790_clocks_after_the_event_that_closes_the_window(self) -> None:
         trial = trial_of(SHORT, halves())
         one = joined([bars(0, WINDOW, upright=True), candidate(1, SERVICE_EVENTS)])
         trial.run(one)
         done = trial.run(one)
-        assert done.given["m_"][0] - done.accepted["s_"][WINDOW - 1] == 760
+        assert done.given["m_"][0] - done.accepted["s_"][WINDOW - 1] == 790
 
-    def test_next_verdicts_follow_by_746_clocks(self) -> None:
+    def test_next_verdicts_follow_by_765_clocks(self) -> None:
         trial = trial_of(SHORT, halves())
         in_turns = OwnedEvents(
             *(column.reshape(7, -1).T.ravel() for column in joined([bars(n, WINDOW, upright=True) for n in range(7)]))
@@ -308,15 +308,15 @@ class TestClocks:
         trial.run(joined([in_turns, pause]))
         done = trial.run(joined([in_turns, pause]))
         closed = done.accepted["s_"][len(in_turns.slot) - 7]
-        assert (done.given["m_"] - closed).tolist() == [760 + 746 * n for n in range(7)]
+        assert (done.given["m_"] - closed).tolist() == [790 + 765 * n for n in range(7)]
 
-    def test_first_window_of_a_track_takes_112_clocks(self) -> None:
+    def test_first_window_of_a_track_takes_179_clocks(self) -> None:
         trial = trial_of(SHORT, halves())
         one = joined([bars(0, WINDOW, upright=True), candidate(2, SERVICE_EVENTS)])
         trial.run(one)
         old, new = bars(0, WINDOW, upright=True), bars(1, WINDOW, upright=True)
         done = trial.run(joined([old.part(0, WINDOW - 1), new, old.part(0, 1), candidate(2, SERVICE_EVENTS)]))
-        assert done.given["m_"][0] - done.accepted["s_"][2 * WINDOW - 1] == 760 + 112 - 1
+        assert done.given["m_"][0] - done.accepted["s_"][2 * WINDOW - 1] == 790 + 179 - 1
 
 
 def slow_pattern(rng: np.random.Generator, clocks: int) -> Pattern:
