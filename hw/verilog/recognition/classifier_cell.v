@@ -49,7 +49,7 @@ module classifier_cell #(
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam LATENCY = 16;
-    localparam WIDE_W  = (REL_W > 4) ? REL_W + 13 : 18;  // of a product with a scale, no less than is looked at
+    localparam WIDE_W  = (REL_W > 4) ? REL_W + 14 : 18;  // of a product with a scale, no less than is looked at
 
     // ---- the normalisations ------------------------------------------------------------------------------------------
 
@@ -77,8 +77,8 @@ module classifier_cell #(
     // ---- v, and u without its shear ----------------------------------------------------------------------------------
 
     wire signed [REL_W+12:0] scaled_x, scaled_y;
-    wire signed [WIDE_W-1:0] wide_x_s6 = scaled_x;
-    wire signed [WIDE_W-1:0] wide_y_s6 = scaled_y;
+    wire signed [WIDE_W-1:0] wide_x_s6 = {{(WIDE_W - REL_W - 13) {scaled_x[REL_W+12]}}, scaled_x};
+    wire signed [WIDE_W-1:0] wide_y_s6 = {{(WIDE_W - REL_W - 13) {scaled_y[REL_W+12]}}, scaled_y};
 
     multiplier #(
         .A_W(REL_W),
@@ -108,13 +108,13 @@ module classifier_cell #(
 
     // A scaled address that has more than 13 bits is beyond the image, or below it, whatever is subtracted.
     function far;
-        input [WIDE_W-1:0] scaled;
-        far = !(&scaled[WIDE_W-1:16]) && |scaled[WIDE_W-1:16];
+        input [WIDE_W-1:16] scaled;
+        far = !(&scaled) && |scaled;
     endfunction
 
     // From 3072 on.
     function beyond;
-        input [13:0] value;
+        input [13:10] value;
         beyond = !value[13] && (value[12] || value[11:10] == 2'b11);
     endfunction
 
@@ -150,12 +150,12 @@ module classifier_cell #(
         straight_u_s10 <= straight_u_s9;
         straight_u_s11 <= straight_u_s10;
         low_v_s8      <= sum_v_s7[11:0];
-        {far_u_s7, minus_u_s7} <= {far(wide_x_s6), wide_x_s6[WIDE_W-1]};
-        {far_v_s7, minus_v_s7} <= {far(wide_y_s6), wide_y_s6[WIDE_W-1]};
+        {far_u_s7, minus_u_s7} <= {far(wide_x_s6[WIDE_W-1:16]), wide_x_s6[WIDE_W-1]};
+        {far_v_s7, minus_v_s7} <= {far(wide_y_s6[WIDE_W-1:16]), wide_y_s6[WIDE_W-1]};
         far_u_s13     <= {far_u_s13[4:0], far_u_s7};
         minus_u_s13   <= {minus_u_s13[4:0], minus_u_s7};
         below_v_s8    <= far_v_s7 ? minus_v_s7 : sum_v_s7[13];
-        beyond_v_s8   <= far_v_s7 ? !minus_v_s7 : beyond(sum_v_s7);
+        beyond_v_s8   <= far_v_s7 ? !minus_v_s7 : beyond(sum_v_s7[13:10]);
         beyond_v_s9   <= beyond_v_s8;
         v_s9          <= low_v_s8;
         v_s10         <= v_s9;
@@ -183,7 +183,7 @@ module classifier_cell #(
 
         column_s14   <= sum_u_s13[11:8];
         below_u_s14  <= far_u_s13[5] ? minus_u_s13[5] : sum_u_s13[13];
-        beyond_u_s14 <= far_u_s13[5] ? !minus_u_s13[5] : beyond(sum_u_s13);
+        beyond_u_s14 <= far_u_s13[5] ? !minus_u_s13[5] : beyond(sum_u_s13[13:10]);
         beyond_u_s15 <= beyond_u_s14;
         column_s15   <= column_s14;
         column_s16   <= column_s15;

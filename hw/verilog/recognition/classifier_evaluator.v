@@ -370,10 +370,10 @@ module classifier_evaluator #(
     // ---- vote --------------------------------------------------------------------------------------------------------
 
     reg         blank, halves;
-    reg  [14:0] before;
+    reg  [14:0] vote_before;
 
     always @(posedge clk) begin
-        before <= kept;
+        vote_before <= kept;
         if (has_turn[6] && class_6 == 4'd15) begin
             blank  <= s_young || kept[7:0] == 8'd0;
             halves <= kept[7];  // 128
@@ -387,7 +387,7 @@ module classifier_evaluator #(
         .begins  (fitting),
         .blank   (blank),
         .halves  (halves),
-        .s_before(before),
+        .s_before(vote_before),
         .s_loss  (amount),
         .s_more  (class_8 == 4'd15 && !s_young),
         .clears  (!(voting || comparing)),
@@ -403,6 +403,8 @@ module classifier_evaluator #(
     assign m_valid   = s_done && !s_young;
     assign m_class   = ({1'b0, m_margin} < product[15:0]) ? 4'd15 : winner;
     assign m_windows = voted;
+
+    wire unused = &{1'b0, window_log2[3]};
 
 endmodule
 

@@ -20,8 +20,6 @@ module classifier_flags #(
     output reg  [N-1:0] flags
 );
 
-    parameter_check #(.OK(N >= 1)) N_must_be_at_least_1 ();
-
     always @(posedge clk) begin
         flags <= (flags & ~clears) | (set_slot & {N{sets}});
         if (rst) flags <= {N{1'b0}};

@@ -100,7 +100,7 @@ module classifier_windows #(
     function [N-1:0] one_slot;
         input [SLOT_W-1:0] slot;
         integer n;
-        for (n = 0; n < N; n = n + 1) one_slot[n] = slot == n;
+        for (n = 0; n < N; n = n + 1) one_slot[n] = slot == n[SLOT_W-1:0];
     endfunction
 
     assign quiet      = evaluated_to == closed_to && !(s_valid && full);
