@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // hw/verilog/stream/block_memory.v in block RAMs of an ECP5, read through their output registers: 512 words of 36 bits each, 1,024 of
-// 18, 2,048 of 9 or 16,384 of 1. More words of 9 bits or fewer are parts, of which one is selected behind the output registers.
+// 18, 2,048 of 9 or 16,384 of 1. More words of 9 bits or fewer are parts.
 //
 // As Yosys instantiates them but for the register; words of 36 bits leave through both ports. Below 65 words, and where no such RAM is
 // deep enough, it is the plain description.
@@ -117,40 +117,19 @@ module block_memory #(
                 );
             end
         end else if (W <= 9 && DEPTH > 1024 && DEPTH <= 2048) begin : g_narrow
-            wire [10:0] to   = write_address;
-            wire [10:0] from = read_address;
-            wire [8:0]  d    = write_data;
-            wire [8:0]  q;
+            wire [8:0] q;
             assign read_data = q[W-1:0];
 
-            DP16KD #(
-                .DATA_WIDTH_A(9),
-                .DATA_WIDTH_B(9),
-                .REGMODE_A   ("NOREG"),
-                .REGMODE_B   ("OUTREG"),
-                .RESETMODE   ("ASYNC"),
-                .ASYNC_RESET_RELEASE("ASYNC"),
-                .CSDECODE_A  ("0b000"),
-                .CSDECODE_B  ("0b000"),
-                .WRITEMODE_A ("READBEFOREWRITE"),
-                .WRITEMODE_B ("READBEFOREWRITE"),
-                .CLKAMUX     ("CLKA"),
-                .CLKBMUX     ("CLKB"),
-                .GSR         ("AUTO")
-            ) u_narrow (
-                .CLKA(clk), .CEA(1'b1), .WEA(write), .OCEA(1'b1), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0), .CSA2(1'b0),
-                .ADA0(1'b0), .ADA1(1'b0), .ADA2(1'b0), .ADA3(to[0]), .ADA4(to[1]), .ADA5(to[2]), .ADA6(to[3]),
-                .ADA7(to[4]), .ADA8(to[5]), .ADA9(to[6]), .ADA10(to[7]), .ADA11(to[8]), .ADA12(to[9]), .ADA13(to[10]),
-                .DIA0(d[0]), .DIA1(d[1]), .DIA2(d[2]), .DIA3(d[3]), .DIA4(d[4]), .DIA5(d[5]), .DIA6(d[6]), .DIA7(d[7]),
-                .DIA8(d[8]), .DIA9(1'b0), .DIA10(1'b0), .DIA11(1'b0), .DIA12(1'b0), .DIA13(1'b0), .DIA14(1'b0),
-                .DIA15(1'b0), .DIA16(1'b0), .DIA17(1'b0), .CLKB(clk), .CEB(read_enable), .WEB(1'b0), .OCEB(out_enable),
-                .RSTB(1'b0), .CSB0(1'b0), .CSB1(1'b0), .CSB2(1'b0), .ADB0(1'b0), .ADB1(1'b0), .ADB2(1'b0),
-                .ADB3(from[0]), .ADB4(from[1]), .ADB5(from[2]), .ADB6(from[3]), .ADB7(from[4]), .ADB8(from[5]),
-                .ADB9(from[6]), .ADB10(from[7]), .ADB11(from[8]), .ADB12(from[9]), .ADB13(from[10]), .DIB0(1'b0),
-                .DIB1(1'b0), .DIB2(1'b0), .DIB3(1'b0), .DIB4(1'b0), .DIB5(1'b0), .DIB6(1'b0), .DIB7(1'b0), .DIB8(1'b0),
-                .DIB9(1'b0), .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0),
-                .DIB16(1'b0), .DIB17(1'b0), .DOB0(q[0]), .DOB1(q[1]), .DOB2(q[2]), .DOB3(q[3]), .DOB4(q[4]),
-                .DOB5(q[5]), .DOB6(q[6]), .DOB7(q[7]), .DOB8(q[8])
+            narrow_memory u_narrow (
+                .clk          (clk),
+                .write        (write),
+                .write_address(write_address),
+                .write_data   ({{(9 - W) {1'b0}}, write_data}),
+                .read_enable  (read_enable),
+                .read_address (read_address),
+                .out_enable   (out_enable),
+                .clear        (1'b0),
+                .read_data    (q)
             );
         end else if (W == 1 && DEPTH > 2048 && DEPTH <= 16384) begin : g_bit
             wire [13:0] to   = {{(14 - ADDR_W) {1'b0}}, write_address};
@@ -184,36 +163,35 @@ module block_memory #(
                 .DIB9(1'b0), .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0),
                 .DIB16(1'b0), .DIB17(1'b0), .DOB0(read_data[0])
             );
-        end else if (W > 1 && W <= 9 && DEPTH > 2048) begin : g_parts  // of 2,048 words: selected behind the output registers
+        end else if (W > 1 && W <= 9 && DEPTH > 2048) begin : g_parts  // of 2,048 words: the output registers of all but one are 0
             localparam PARTS  = (DEPTH + 2047) / 2048;
             localparam PART_W = ADDR_W - 11;
 
-            wire [PARTS*W-1:0] outs;
-            reg  [PART_W-1:0]  ram_part, out_part;
+            wire [PARTS*9-1:0] outs;
+            reg  [PART_W-1:0]  ram_part;
+            reg  [8:0]         any;
+            integer            k;
 
-            always @(posedge clk) begin
-                if (read_enable) ram_part <= read_address[ADDR_W-1:11];
-                if (out_enable) out_part <= ram_part;
+            always @(posedge clk) if (read_enable) ram_part <= read_address[ADDR_W-1:11];
+
+            always @* begin
+                any = 9'd0;
+                for (k = 0; k < PARTS; k = k + 1) any = any | outs[9*k+:9];
             end
 
-            assign read_data = outs[out_part*W +: W];
+            assign read_data = any[W-1:0];
 
             for (i = 0; i < PARTS; i = i + 1) begin : g_part
-                localparam WORDS   = (i == PARTS - 1) ? DEPTH - 2048 * i : 2048;
-                localparam WORDS_W = (WORDS > 1) ? $clog2(WORDS) : 1;
-
-                block_memory #(
-                    .W    (W),
-                    .DEPTH(WORDS)
-                ) u_part (
+                narrow_memory u_part (
                     .clk          (clk),
                     .write        (write && write_address[ADDR_W-1:11] == i),
-                    .write_address(write_address[WORDS_W-1:0]),
-                    .write_data   (write_data),
+                    .write_address(write_address[10:0]),
+                    .write_data   ({{(9 - W) {1'b0}}, write_data}),
                     .read_enable  (read_enable),
-                    .read_address (read_address[WORDS_W-1:0]),
+                    .read_address (read_address[10:0]),
                     .out_enable   (out_enable),
-                    .read_data    (outs[i*W +: W])
+                    .clear        (out_enable && ram_part != i),
+                    .read_data    (outs[9*i+:9])
                 );
             end
         end else begin : g_plain
@@ -229,6 +207,59 @@ module block_memory #(
             end
         end
     endgenerate
+
+endmodule
+
+// 2,048 words of 9 bits in one block RAM. `clear`, only with out_enable, makes its output register 0.
+module narrow_memory (
+    input  wire        clk,
+
+    input  wire        write,
+    input  wire [10:0] write_address,
+    input  wire [8:0]  write_data,
+
+    input  wire        read_enable,
+    input  wire [10:0] read_address,
+    input  wire        out_enable,
+    input  wire        clear,
+    output wire [8:0]  read_data
+);
+
+    wire [10:0] to   = write_address;
+    wire [10:0] from = read_address;
+    wire [8:0]  d    = write_data;
+    wire [8:0]  q;
+    assign read_data = q;
+
+    DP16KD #(
+        .DATA_WIDTH_A(9),
+        .DATA_WIDTH_B(9),
+        .REGMODE_A   ("NOREG"),
+        .REGMODE_B   ("OUTREG"),
+        .RESETMODE   ("SYNC"),
+        .ASYNC_RESET_RELEASE("ASYNC"),
+        .CSDECODE_A  ("0b000"),
+        .CSDECODE_B  ("0b000"),
+        .WRITEMODE_A ("READBEFOREWRITE"),
+        .WRITEMODE_B ("READBEFOREWRITE"),
+        .CLKAMUX     ("CLKA"),
+        .CLKBMUX     ("CLKB"),
+        .GSR         ("AUTO")
+    ) u_narrow (
+        .CLKA(clk), .CEA(1'b1), .WEA(write), .OCEA(1'b1), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0), .CSA2(1'b0),
+        .ADA0(1'b0), .ADA1(1'b0), .ADA2(1'b0), .ADA3(to[0]), .ADA4(to[1]), .ADA5(to[2]), .ADA6(to[3]),
+        .ADA7(to[4]), .ADA8(to[5]), .ADA9(to[6]), .ADA10(to[7]), .ADA11(to[8]), .ADA12(to[9]), .ADA13(to[10]),
+        .DIA0(d[0]), .DIA1(d[1]), .DIA2(d[2]), .DIA3(d[3]), .DIA4(d[4]), .DIA5(d[5]), .DIA6(d[6]), .DIA7(d[7]),
+        .DIA8(d[8]), .DIA9(1'b0), .DIA10(1'b0), .DIA11(1'b0), .DIA12(1'b0), .DIA13(1'b0), .DIA14(1'b0),
+        .DIA15(1'b0), .DIA16(1'b0), .DIA17(1'b0), .CLKB(clk), .CEB(read_enable), .WEB(1'b0), .OCEB(out_enable),
+        .RSTB(clear), .CSB0(1'b0), .CSB1(1'b0), .CSB2(1'b0), .ADB0(1'b0), .ADB1(1'b0), .ADB2(1'b0),
+        .ADB3(from[0]), .ADB4(from[1]), .ADB5(from[2]), .ADB6(from[3]), .ADB7(from[4]), .ADB8(from[5]),
+        .ADB9(from[6]), .ADB10(from[7]), .ADB11(from[8]), .ADB12(from[9]), .ADB13(from[10]), .DIB0(1'b0),
+        .DIB1(1'b0), .DIB2(1'b0), .DIB3(1'b0), .DIB4(1'b0), .DIB5(1'b0), .DIB6(1'b0), .DIB7(1'b0), .DIB8(1'b0),
+        .DIB9(1'b0), .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0),
+        .DIB16(1'b0), .DIB17(1'b0), .DOB0(q[0]), .DOB1(q[1]), .DOB2(q[2]), .DOB3(q[3]), .DOB4(q[4]),
+        .DOB5(q[5]), .DOB6(q[6]), .DOB7(q[7]), .DOB8(q[8])
+    );
 
 endmodule
 

@@ -4,7 +4,7 @@
 // event's place, and whether another pixel had one, too. A window's end is computed between two tokens.
 //
 // Latency:    5 clocks from s_ to m_.
-// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 16 clocks, 49 at 346x260, and one more for each
+// Throughput: 1 token per clock; the end of a window that had events takes NUM_W + 2 MEAN_W + 16 clocks, 101 at 346x260, and one more for each
 //             measured window before it, 4 at most.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty and clears the cells: (WIDTH / 8) * (HEIGHT / 8) clocks with idle low, in which one token at most is
@@ -75,6 +75,8 @@ module noise_support #(
     localparam SUM_W     = (TICK_W > NOW_W ? TICK_W : NOW_W) + 1;
     localparam EMPTY_W   = COUNT_W + FRAC;
     localparam ALONE_W   = EMPTY_W + SHORTER;
+    localparam MEAN_W    = ALONE_W + 1;     // bits of a mean that is computed, with sign
+    localparam PLACE_W   = 6;               // of a bit in it
     localparam NUM_W     = ALONE_W + FRAC;
     localparam TOKEN_W   = TICK_W + X_W + Y_W + 3;
     localparam [3:0] UNKNOWN = 4'd9;
@@ -216,17 +218,25 @@ module noise_support #(
 
     // ---- the end of a window: means, their quotient, and the thresholds that it reaches --------------------------------
 
-    localparam [2:0] RUNNING = 3'd0, BEGIN = 3'd1, MEANS = 3'd2, DIVIDE = 3'd3, COMPARE = 3'd4, OPEN = 3'd5, SETTLE = 3'd6, MOVE = 3'd7;
+    localparam [3:0] RUNNING  = 4'd0;
+    localparam [3:0] BEGIN    = 4'd1;
+    localparam [3:0] MEANS    = 4'd2;
+    localparam [3:0] SUBTRACT = 4'd3;   // how far the window is from both means, bit by bit
+    localparam [3:0] HALVE    = 4'd4;   // a part of that
+    localparam [3:0] ADD      = 4'd5;   // is added to the means, bit by bit
+    localparam [3:0] DIVIDE   = 4'd6;
+    localparam [3:0] COMPARE  = 4'd7;
+    localparam [3:0] OPEN     = 4'd8;
+    localparam [3:0] SETTLE   = 4'd9;
 
-    reg [2:0]         state_reg;
+    reg [3:0]         state_reg;
     reg [2:0]         windows_reg;      // so far, 4 at most
-    reg [ALONE_W-1:0] mean_alone_reg;
-    reg [EMPTY_W-1:0] mean_empty_reg;
     reg [COUNT_W-1:0] empty_reg;
     reg               dense_reg, sparse_reg, settled_reg;
     reg [15:0]        level_reg;
     reg [3:0]         support_reg;
-    reg [2:0]         step_reg;         // in MEANS halvings, in COMPARE the threshold
+    reg [2:0]         step_reg;         // in HALVE halvings, in COMPARE the threshold
+    reg [PLACE_W-1:0] place_reg;        // in SUBTRACT and ADD, of the bit: 0 is that of 1, so the first one is -FRAC
 
     assign noise_asked = step_reg;
 
@@ -235,10 +245,40 @@ module noise_support #(
     wire [COUNT_W+1:0] all_cells    = {2'b00, ALL_CELLS[COUNT_W-1:0]};
     wire               measured     = !dense_reg || shorter == most;
 
-    wire [ALONE_W-1:0] alone_now  = {{SHORTER{1'b0}}, alone_reg, {FRAC{1'b0}}} << shorter;
-    wire [EMPTY_W-1:0] empty_now  = {empty_reg, {FRAC{1'b0}}};
-    reg signed [ALONE_W:0] alone_off_reg;  // how far the open window is from each mean, then the step of the mean
-    reg signed [EMPTY_W:0] empty_off_reg;
+    localparam [31:0] FIRST = (1 << PLACE_W) - FRAC, LAST = MEAN_W - FRAC - 1;
+
+    wire               last_bit = place_reg == LAST[PLACE_W-1:0];
+    wire               subtracts = state_reg == SUBTRACT;
+    wire               halves    = state_reg == HALVE && step_reg != windows_reg;
+    wire               adds      = state_reg == ADD;
+    wire [MEAN_W-1:0]  mean_alone, mean_empty;
+    wire [PLACE_W-1:0] alone_place = place_reg - {{(PLACE_W - 3) {1'b0}}, shorter};  // as in the longest window
+    wire [(1<<PLACE_W)-1:0] alone_bits = {{((1 << PLACE_W) - COUNT_W) {1'b0}}, alone_reg};
+    wire [(1<<PLACE_W)-1:0] empty_bits = {{((1 << PLACE_W) - COUNT_W) {1'b0}}, empty_reg};
+
+    noise_mean #(
+        .W(MEAN_W)
+    ) u_alone (
+        .clk      (clk),
+        .rst      (rst),
+        .subtracts(subtracts),
+        .halves   (halves),
+        .adds     (adds),
+        .value    (alone_bits[alone_place]),
+        .mean     (mean_alone)
+    );
+
+    noise_mean #(
+        .W(MEAN_W)
+    ) u_empty (
+        .clk      (clk),
+        .rst      (rst),
+        .subtracts(subtracts),
+        .halves   (halves),
+        .adds     (adds),
+        .value    (empty_bits[place_reg]),
+        .mean     (mean_empty)
+    );
 
     wire             divide_ready, level_valid;
     wire [NUM_W-1:0] quotient;
@@ -252,8 +292,8 @@ module noise_support #(
         .rst    (rst),
         .s_valid(state_reg == DIVIDE),
         .s_ready(divide_ready),
-        .s_num  ({mean_alone_reg, {FRAC{1'b0}}}),
-        .s_den  (mean_empty_reg),
+        .s_num  ({mean_alone[ALONE_W-1:0], {FRAC{1'b0}}}),
+        .s_den  (mean_empty[EMPTY_W-1:0]),
         .m_valid(level_valid),
         .m_ready(1'b1),
         .m_quot (quotient),
@@ -278,26 +318,30 @@ module noise_support #(
                 dense_reg  <= four_empty < all_cells;
                 sparse_reg <= four_touched < all_cells;
                 step_reg   <= 3'd0;
-                alone_off_reg <= {1'b0, alone_now} - {1'b0, mean_alone_reg};
-                empty_off_reg <= {1'b0, empty_now} - {1'b0, mean_empty_reg};
                 if (touched_reg == {COUNT_W{1'b0}}) begin
                     state_reg <= RUNNING;
                     time_ends <= 1'b0;
                 end else state_reg <= MEANS;
             end
-            MEANS:
-                if (!measured) state_reg <= OPEN;
-                else if (step_reg == windows_reg) state_reg <= MOVE;
-                else begin
-                    alone_off_reg <= alone_off_reg >>> 1;
-                    empty_off_reg <= empty_off_reg >>> 1;
-                    step_reg      <= step_reg + 1'b1;
+            MEANS: begin
+                place_reg <= FIRST[PLACE_W-1:0];
+                state_reg <= measured ? SUBTRACT : OPEN;
+            end
+            SUBTRACT: begin
+                place_reg <= place_reg + 1'b1;
+                if (last_bit) state_reg <= HALVE;
+            end
+            HALVE: begin
+                place_reg <= FIRST[PLACE_W-1:0];
+                step_reg  <= step_reg + 1'b1;
+                if (!halves) state_reg <= ADD;
+            end
+            ADD: begin
+                place_reg <= place_reg + 1'b1;
+                if (last_bit) begin
+                    windows_reg <= (windows_reg == 3'd4) ? 3'd4 : windows_reg + 1'b1;
+                    state_reg   <= DIVIDE;
                 end
-            MOVE: begin
-                mean_alone_reg <= mean_alone_reg + alone_off_reg[ALONE_W-1:0];
-                mean_empty_reg <= mean_empty_reg + empty_off_reg[EMPTY_W-1:0];
-                windows_reg    <= (windows_reg == 3'd4) ? 3'd4 : windows_reg + 1'b1;
-                state_reg      <= DIVIDE;
             end
             DIVIDE: begin
                 step_reg <= NOISE_2[2:0];
@@ -338,8 +382,6 @@ module noise_support #(
             number_reg     <= {{(NUMBER_W - 1) {1'b0}}, 1'b1};
             shorter_reg    <= 3'd0;
             windows_reg    <= 3'd0;
-            mean_alone_reg <= {ALONE_W{1'b0}};
-            mean_empty_reg <= {EMPTY_W{1'b0}};
             support_reg    <= UNKNOWN;
         end
     end
@@ -362,7 +404,7 @@ module noise_support #(
     assign idle = !clearing_reg && !in_valid && !time_valid && !read_valid && !held_valid && !m_valid;
 
     // The divider is free when it is asked.
-    wire unused = &{1'b0, divide_ready, remainder, NOISE_2, NOISE_6, product, alone_off_reg[ALONE_W], empty_off_reg[EMPTY_W]};
+    wire unused = &{1'b0, divide_ready, remainder, NOISE_2, NOISE_6, product, mean_alone[ALONE_W], mean_empty[MEAN_W-1:EMPTY_W]};
 
 endmodule
 

@@ -110,7 +110,7 @@ class TestClocks:
         assert set(np.diff(times.accepted)) == {1}
         assert set(times.given - times.accepted) == {19}
 
-    def test_the_end_of_a_window_takes_49_clocks_and_one_for_each_measured_before(self) -> None:
+    def test_the_end_of_a_window_takes_101_clocks_and_one_for_each_measured_before(self) -> None:
         device = device_of(346, 260, 20, cell_stamp_w=24)
         model_of(device, registers_of(14, [84, 239, 454, 716, 1013]))
         events = ticked(10 * np.arange(5_000), np.arange(5_000) % 346, np.arange(5_000) % 260)
@@ -118,5 +118,5 @@ class TestClocks:
         ends = np.diff(events.ticks >> 14) > 0
         waits = np.diff(times.given)
         assert ends.sum() == 3
-        assert waits[ends].tolist() == [1 + 49, 1 + 50, 1 + 51]
+        assert waits[ends].tolist() == [1 + 101, 1 + 102, 1 + 103]
         assert set(waits[~ends]) == {1}

@@ -20,7 +20,7 @@ from evcot_cosim.rtl.files import copy_rtl, rtl_files, verilog_dir
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
 
 # The cell as Lattice describes it, as far as the body uses it: A writes and B reads 2,048 words of 9 bits, 1,024 of 18, or 512
-# of 36. The lower half of the last ones leaves through A. With OUTREG a second register stands behind each half.
+# of 36. The lower half of the last ones leaves through A. With OUTREG a second register stands behind each half, which RSTB clears.
 CELL = """
     parameter DATA_WIDTH_A = 0, DATA_WIDTH_B = 0, REGMODE_A = "", REGMODE_B = "", RESETMODE = "", ASYNC_RESET_RELEASE = "",
         CSDECODE_A = "", CSDECODE_B = "", WRITEMODE_A = "", WRITEMODE_B = "", CLKAMUX = "", CLKBMUX = "", GSR = "";
@@ -35,6 +35,7 @@ CELL = """
         if (CEB && !WEB) read <= memory[from];
         if (WIDE ? OCEA : OCEB) out[17:0] <= read[17:0];
         if (OCEB) out[35:18] <= read[35:18];
+        if (RSTB && RESETMODE == "SYNC") out <= 36'd0;
     end
     wire [17:0] low = (WIDE ? REGMODE_A : REGMODE_B) == "OUTREG" ? out[17:0] : read[17:0];
     wire [17:0] high = REGMODE_B == "OUTREG" ? out[35:18] : read[35:18];
