@@ -6,7 +6,7 @@
 //
 // Latency:    14 clocks from s_ to m_: 2 of the units, 9 of the memory, comparison, count, decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
-// Stall:      while the output is full, the pipeline stalls.
+// Stall:      while the output is full, the pipeline stalls. After a change of a register no token is taken for a few clocks.
 // Reset:      becomes empty and clears the memory: ceil(WIDTH / 4 CELL_PX) * ceil(HEIGHT / 4 CELL_PX) + 8 clocks with idle low, in
 //             which three tokens at most are taken.
 // RAM:        16 * ceil(WIDTH / 4 CELL_PX) * ceil(HEIGHT / 4 CELL_PX) * 9 bits.
@@ -28,6 +28,7 @@ module filter_cells #(
     input  wire               rst,
 
     // registers: see filter_regs.v
+    input  wire               changes,    // one is new in the next clock
     input  wire               enable_refractory,
     input  wire               enable_activity,
     input  wire [STAMP_W-2:0] refractory_ticks,
@@ -62,65 +63,73 @@ module filter_cells #(
     parameter_check #(.OK(STAMP_W >= `EVCOT_STAMP_W_MIN && STAMP_W <= `EVCOT_STAMP_W_MAX)) STAMP_W_must_be_4_to_32 ();
 
     localparam CELL_W  = (CELL_STAMP_W != 0) ? CELL_STAMP_W : (CELL_PX == 4) ? 5 : (CELL_PX == 2) ? 7 : 9;
-    localparam WIDE_W  = (STAMP_W - 1 > CELL_W) ? STAMP_W - 1 : CELL_W + 1;
     localparam TOKEN_W = TICK_W + X_W + Y_W + 9;
     localparam [CELL_W-1:0] KEEP   = {2'b11, {(CELL_W - 2) {1'b0}}};
 
     // ---- the two times in units, as far as stamps reach --------------------------------------------------------------
 
-    // In turn, so that each is known four clocks after a write, before an event that comes then needs it.
+    // In turn, in clocks in which no token's ticks are converted. No token is taken after a change until both are known.
     reg               turn, units_turn;  // 0: refractory, 1: activity
+    reg               units_come;
+    reg  [2:0]        unknown;           // conversions until then
     reg  [CELL_W-1:0] long_units, silence, window;
-    wire [CELL_W-1:0] shifted_units;
+    wire              converts;
+    wire [CELL_W-1:0] converted;
     wire [CELL_W-1:0] turn_units = (long_units < KEEP) ? long_units : KEEP;
-
-    wire [WIDE_W-1:0] turn_ticks = {{(WIDE_W + 1 - STAMP_W) {1'b0}}, turn ? activity_ticks : refractory_ticks};
-
-    shift_saturate #(
-        .IN_W (WIDE_W),
-        .OUT_W(CELL_W)
-    ) u_shift (
-        .value(turn_ticks),
-        .shift(stamp_shift),
-        .y    (shifted_units)
-    );
+    wire              known      = unknown == 3'd0;
 
     always @(posedge clk) begin
-        turn       <= !turn;
+        if (converts) begin
+            turn    <= !turn;
+            unknown <= known ? 3'd0 : unknown - 3'd1;
+        end
+        units_come <= converts;
         units_turn <= turn;
-        long_units <= shifted_units;
-        if (!units_turn) silence <= enable_refractory ? turn_units : {CELL_W{1'b0}};
-        else window <= (turn_units == KEEP) ? KEEP - 1'b1 : turn_units;
-        if (rst) turn <= 1'b0;
+        long_units <= converted;
+        if (units_come) begin
+            if (!units_turn) silence <= enable_refractory ? turn_units : {CELL_W{1'b0}};
+            else window <= (turn_units == KEEP) ? KEEP - 1'b1 : turn_units;
+        end
+        if (changes || rst) unknown <= 3'd4;
+        if (rst) begin
+            turn       <= 1'b0;
+            units_come <= 1'b0;
+        end
     end
 
     // ---- units and memory --------------------------------------------------------------------------------------------
 
     wire space;  // for one more token in the output: everything behind the units moves
 
-    wire               units_valid, units_ready, units_idle, memory_idle;
+    wire               units_valid, units_ready, units_space, units_idle, memory_idle;
     wire [CELL_W-1:0]  units;
     wire [TOKEN_W-1:0] token, old;
     wire               old_valid, old_inside, old_stays;
     wire [15:0]        old_supports;
     wire [16*CELL_W-1:0] no_age;
 
+    assign s_ready = units_space && known;
+
     stamp_units #(
         .TICK_W (TICK_W),
         .UNITS_W(CELL_W),
-        .DATA_W (TOKEN_W)
+        .DATA_W (TOKEN_W),
+        .OTHER_W(STAMP_W - 1)
     ) u_units (
         .clk    (clk),
         .rst    (rst),
         .shift  (stamp_shift),
-        .s_valid(s_valid),
-        .s_ready(s_ready),
+        .s_valid(s_valid && known),
+        .s_ready(units_space),
         .s_tick (s_tick),
         .s_data ({s_event && (enable_refractory || enable_activity), enable_activity, s_support, s_tick, s_event, s_skip, s_x, s_y, s_p}),
         .m_valid(units_valid),
         .m_ready(units_ready),
         .m_units(units),
         .m_data (token),
+        .other  (turn ? activity_ticks : refractory_ticks),
+        .other_valid(converts),
+        .other_units(converted),
         .idle   (units_idle)
     );
 

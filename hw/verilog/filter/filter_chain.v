@@ -382,6 +382,7 @@ module filter_chain #(
             ) u_cells (
                 .clk              (clk),
                 .rst              (rst),
+                .changes          (cfg_valid),
                 .enable_refractory(enable[REFRACTORY] && BUILT[REFRACTORY]),
                 .enable_activity  (enable[ACTIVITY] && BUILT[ACTIVITY]),
                 .refractory_ticks (refractory_ticks),

@@ -28,8 +28,10 @@ def choose(device: FilterDevice, *, refractory: int = 0, activity: int | None = 
     """Enable refractory and activity with these times in ticks, or not (0; None)."""
     device.set(
         enable_refractory=int(refractory > 0), refractory_ticks=max(1, refractory), enable_activity=int(activity is not None),
-        activity_ticks=activity or 0, s_support=support, stamp_shift=shift,
+        activity_ticks=activity or 0, s_support=support, stamp_shift=shift, changes=1,
     )  # fmt: skip
+    device.sim.clock.tick()
+    device.set(changes=0)
 
 
 def golden(device: FilterDevice, traffic: FilterTraffic, cell_px: int | None = None) -> NDArray[np.bool_]:
