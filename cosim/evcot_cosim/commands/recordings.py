@@ -68,6 +68,7 @@ def add_filter(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 _SIMULATE_EXAMPLES = """
 evcot simulate highway -o highway.aedat4         # and highway.truth.csv beside it
+evcot simulate highway -o highway.aedat4 --labels highway.json --set story=0   # boxes with classes for `evcot train`
 evcot simulate discs -o discs.npz --seed 4 --duration 2 --set noise_hz=3
 evcot simulate clip.mp4 -o clip.raw
 evcot simulate highway --list                    # its settings
@@ -87,6 +88,9 @@ def add_simulate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     output_option(parser, "-o", "--output", metavar="FILE", help="the recording to write; its suffix gives the format")
     output_option(
         parser, "--truth", suffixes=(".csv",), metavar="CSV", help="the truth of a scene (default: NAME.truth.csv beside FILE)"
+    )
+    output_option(
+        parser, "--labels", suffixes=(".json",), metavar="JSON", help="write the truth as COCO boxes with classes, too"
     )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     parser.add_argument("--duration", type=float, metavar="S", help="length in seconds (default: the scene's; of a video, all)")

@@ -22,7 +22,7 @@ RULES = tuple(sorted(file.name.removesuffix(".toml") for file in _FOLDER.iterdir
 
 _BOX = ("left", "top", "width", "height")
 _POINT = ("x", "y")
-_COLUMNS = ("id", "t_us", "t_begin_us", "t_end_us", *_BOX, *_POINT, "vx", "vy")
+_COLUMNS = ("id", "t_us", "t_begin_us", "t_end_us", *_BOX, *_POINT, "vx", "vy", "class_id")
 _EDGES = ("left", "top", "right", "bottom")
 _SIMILARITIES = ("centre", "iou")
 
@@ -44,7 +44,7 @@ class Rule:
     Attributes:
         columns: meaning -> name of the CSV's column; empty for files of boxes (`tracks.formats`). `id`; `t_us`, or `t_begin_us`
             and `t_end_us`, in us; `left`, `top`, `width`, `height`, or `x` and `y`, in pixels; optionally `vx` and `vy`, in
-            pixels per second.
+            pixels per second, and `class_id`, a column that a file may lack.
         title: one-line description.
         sensor: (width, height) in pixels; required by `clip` and `ignore`.
         origin_us: offset from the truth's times to the recording's.

@@ -105,7 +105,7 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
             take.check(columns[side], named[side] >= _SIDE_MIN, f"must be at least {_SIDE_MIN:g}")
             objects[axis], objects[side] = named[low] + named[side] / 2, named[side]
         objects[f"v{axis}"] = named.get(f"v{axis}", math.nan)
-    objects["counted"], objects["class_id"] = True, -1
+    objects["counted"], objects["class_id"] = True, take.classes(columns.get("class_id"))
     for name, (low_limit, high_limit) in rule.counted.items():
         value = take.numbers(name)
         objects["counted"] &= (low_limit <= value) & (value <= high_limit)
@@ -170,12 +170,17 @@ def rule_for(path: Path | str, format: str | None = None) -> Rule:
     with _csv(Path(path)) as (header, _):
         pass
     rules = [rule for rule in map(load_rule, RULES) if rule.columns]
-    return next((rule for rule in rules if set(rule.columns.values()) <= set(header)), rules[0])
+    return next((rule for rule in rules if _needed(rule) <= set(header)), rules[0])
 
 
+_CLASS_MAX = 2**60
 _ROWS = 1 << 12  # of a CSV file, taken apart at once
 _COUNTED_BY = {"confidence": "confidence", "class": "class_id", "visibility": "visibility"}
 _REAL = ("left", "top", "width", "height", "x", "y", "vx", "vy")
+
+
+def _needed(rule: Rule) -> set[str]:
+    return {name for meaning, name in rule.columns.items() if meaning != "class_id"}
 
 
 def _instant(rule: Rule) -> str:
@@ -237,6 +242,13 @@ class _Columns:
     def times(self, name: str) -> NDArray[np.int64]:
         rule = "must be an integer, microseconds, of at most 2^60"
         return np.asarray(self._parsed(name, int, np.int64, _TIME_MAX_US, rule), np.int64)
+
+    def classes(self, name: str | None) -> NDArray[np.int64]:
+        """The classes in a column that the file may lack: then all are -1."""
+        if name not in self._header:
+            return np.full(len(self.lines), -1)
+        rule = "must be a class's number, an integer of at most 2^60"
+        return np.asarray(self._parsed(name, int, np.int64, _CLASS_MAX, rule), np.int64)
 
     def check(self, name: str, good: NDArray[np.bool_], rule: str) -> None:
         """Raise RecordingError for the first line that is not `good`."""

@@ -43,12 +43,12 @@ def _faces(body: float) -> list[list[list[float]]]:
 
 
 def outline(
-    is_lorry: NDArray[np.bool_], paint: NDArray[np.float64], contrast: float
+    is_box: NDArray[np.bool_], paint: NDArray[np.float64], contrast: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Corners of all faces, (n, FACES, 4, 3): across from the middle, up and along from the rear; and their log intensities,
     (n, FACES)."""
-    car, lorry = np.array(_faces(0.6)), np.array(_faces(1.0))
-    corners = np.where(is_lorry[:, None, None, None], lorry, car)
+    car, box = np.array(_faces(0.6)), np.array(_faces(1.0))
+    corners = np.where(is_box[:, None, None, None], box, car)
     glass, dark, shade = (np.full(len(paint), part * contrast) for part in (_GLASS, _DARK, _SHADE))
     side, roof = paint - 0.1 * contrast, paint + _ROOF_SHINE * contrast
     tones = (shade, side, side, roof, paint, dark, glass, glass, roof, glass)

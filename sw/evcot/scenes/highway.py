@@ -23,7 +23,7 @@ from .planted import KINDS, Road, plant
 from .scene import Scene
 from .stage import Moments, StageSettings, film, texture
 from .traffic import story, traffic
-from .truth import TRUTH, Label
+from .truth import TRUTH, Label, ObjectClass
 
 __all__ = ["Highway", "simulate"]
 
@@ -95,8 +95,9 @@ class _Stage:
             settings.lorry_share, (self._near_m, self._far_m), random,
         )  # fmt: skip
         vehicles = self._traffic
-        tones = random.uniform(0.25, 1.0, len(vehicles.is_lorry)) * random.choice((-1, 1), len(vehicles.is_lorry))
-        parts, log_intensity = outline(vehicles.is_lorry, settings.contrast * tones, settings.contrast)
+        count = len(vehicles.class_id)
+        tones = random.uniform(0.25, 1.0, count) * random.choice((-1, 1), count)
+        parts, log_intensity = outline(vehicles.class_id != ObjectClass.CAR, settings.contrast * tones, settings.contrast)
         self._intensity = np.exp(log_intensity)
         size_m = np.stack((vehicles.width_m, vehicles.height_m, vehicles.length_m), axis=1)
         self._corners_m = np.ascontiguousarray(parts * size_m[:, None, None, :])
@@ -113,6 +114,7 @@ class _Stage:
         by_id = np.lexsort((seen, np.repeat(np.arange(len(ends)), np.diff(ends, prepend=0))))
         objects = np.zeros(len(seen), TRUTH)
         objects["object_id"] = seen[by_id]
+        objects["class_id"] = self._traffic.class_id[objects["object_id"]]
         for name, values in zip(("x", "y", "width", "height", "vx", "vy"), boxes[by_id].T, strict=True):
             objects[name] = values
         return Moments(shapes, ends * FACES, objects, ends)

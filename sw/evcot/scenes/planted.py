@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import ConfigError
 from .traffic import LEFT_M, MIDDLE_M, SHOULDER_M, LaneChange, Stretch, Vehicle, car, meets, stopping_car
+from .truth import ObjectClass
 
 __all__ = ["KINDS", "Planted", "Road", "plant"]
 
@@ -54,9 +55,11 @@ def _crossing(_road: Road, random: np.random.Generator) -> Planted:
     left_m, right_m = -_SIDE_M[0] * along_m - 1.0, _SIDE_M[1] * along_m + 1.0
     from_m, to_m = (left_m, right_m) if random.random() < 0.5 else (right_m, left_m)
     lasts_s = (right_m - left_m) / speed_m_s
-    width_m, height_m, length_m = (0.6, 1.75, 0.5) if random.random() < 0.5 else (1.5, 1.3, 0.5)  # a person, a deer
+    is_person = random.random() < 0.5
+    class_id = ObjectClass.PERSON if is_person else ObjectClass.ANIMAL
+    width_m, height_m, length_m = (0.6, 1.75, 0.5) if is_person else (1.5, 1.3, 0.5)  # the animal is a deer
     way = LaneChange(0.0, lasts_s, to_m - from_m)
-    walker = Vehicle(True, width_m, height_m, length_m, from_m, (Stretch(0.0, along_m, 0.0),), (way,))
+    walker = Vehicle(class_id, width_m, height_m, length_m, from_m, (Stretch(0.0, along_m, 0.0),), (way,))
     return Planted(walker, "crossing", 0.0, lasts_s)
 
 
@@ -68,7 +71,7 @@ def _loitering(_road: Road, random: np.random.Generator) -> Planted:
     goes_s = comes_s + paces * pace_s
     there, back = LaneChange(0.0, comes_s, place_m - outside_m), LaneChange(goes_s, comes_s, outside_m - place_m)
     steps = [LaneChange(comes_s + i * pace_s, pace_s, -pace_m * (-1) ** i) for i in range(paces)]
-    person = Vehicle(True, 0.6, 1.75, 0.5, outside_m, (Stretch(0.0, along_m, 0.0),), (there, *steps, back))
+    person = Vehicle(ObjectClass.PERSON, 0.6, 1.75, 0.5, outside_m, (Stretch(0.0, along_m, 0.0),), (there, *steps, back))
     return Planted(person, "loitering", 0.0, goes_s + comes_s)
 
 

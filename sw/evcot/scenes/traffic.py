@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._highway_kernel import meet, motion_at
+from .truth import ObjectClass
 
 __all__ = [
     "LEFT_M",
@@ -59,7 +60,7 @@ class LaneChange(NamedTuple):
 class Vehicle:
     """One vehicle: size and motion; `along_m` is that of its rear, which always faces the camera."""
 
-    is_lorry: bool
+    class_id: ObjectClass
     width_m: float
     height_m: float
     length_m: float
@@ -78,11 +79,11 @@ class Motion(NamedTuple):
 
 
 class Traffic:
-    """All vehicles of a scene; (n,) arrays `is_lorry`, `width_m`, `height_m`, `length_m`, as in `Vehicle`; and `motions`, the
+    """All vehicles of a scene; (n,) arrays `class_id`, `width_m`, `height_m`, `length_m`, as in `Vehicle`; and `motions`, the
     arguments of `motion_at` but the time."""
 
     def __init__(self, vehicles: Sequence[Vehicle]) -> None:
-        self.is_lorry = np.array([vehicle.is_lorry for vehicle in vehicles], np.bool_)
+        self.class_id = np.array([vehicle.class_id for vehicle in vehicles], np.int64)
         self.width_m, self.height_m, self.length_m, across_m = (
             np.array([getattr(vehicle, name) for vehicle in vehicles])
             for name in ("width_m", "height_m", "length_m", "across_m")
@@ -127,7 +128,7 @@ def traffic(
 
 def car(across_m: float, *stretches: Stretch, changes: tuple[LaneChange, ...] = ()) -> Vehicle:
     """An ordinary car."""
-    return Vehicle(False, 1.8, 1.5, 4.4, across_m, stretches, changes)
+    return Vehicle(ObjectClass.CAR, 1.8, 1.5, 4.4, across_m, stretches, changes)
 
 
 def stopping_car(speed_m_s: float, stop_s: float, go_s: float, stops_at_m: float) -> Vehicle:
@@ -155,7 +156,7 @@ def story(duration_s: float, speed_m_s: float) -> list[Vehicle]:
         car(LEFT_M, Stretch(middle_s, 55.0, -0.8 * speed_m_s)),
         stopping_car(speed_m_s, 0.4 * duration_s, 0.6 * duration_s, 58.0),
         car(_RIGHT_M, Stretch(middle_s, 46.0, 1.25 * speed_m_s), changes=(overtakes,)),
-        Vehicle(True, 2.5, 3.4, 9.0, _RIGHT_M, (Stretch(middle_s, 44.0, 0.7 * speed_m_s),)),
+        Vehicle(ObjectClass.LORRY, 2.5, 3.4, 9.0, _RIGHT_M, (Stretch(middle_s, 44.0, 0.7 * speed_m_s),)),
     ]
 
 
@@ -167,7 +168,8 @@ def _passer_by(entry_s: float, speed_m_s: float, lorry_share: float, near_m: flo
     speed = speed_m_s * _LANE_SPEEDS[lane] * (1 + _SPEED_SPREAD * pace)
     width, height, length = (2.5, 3.4, 9.0) if lorry else (1.8, 1.5, 4.4)
     entry = Stretch(entry_s, near_m - _BEFORE_M - length * size, speed)
-    return Vehicle(lorry, width * size, height * size, length * size, (LEFT_M, MIDDLE_M, _RIGHT_M)[lane], (entry,))
+    class_id = ObjectClass.LORRY if lorry else ObjectClass.CAR
+    return Vehicle(class_id, width * size, height * size, length * size, (LEFT_M, MIDDLE_M, _RIGHT_M)[lane], (entry,))
 
 
 def meets(vehicle: Vehicle, others: Sequence[Vehicle], from_s: float, to_s: float) -> bool:

@@ -8,6 +8,7 @@ can be compared directly.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -16,8 +17,20 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..outputs import written_aside
+from ..tracks.formats.base import BOX, Boxes
 
-__all__ = ["TRUTH", "TRUTH_COLUMNS", "Box", "Label", "Truth", "on_sensor", "sample"]
+__all__ = ["TRUTH", "TRUTH_COLUMNS", "Box", "Label", "ObjectClass", "Truth", "on_sensor", "sample"]
+
+
+class ObjectClass(IntEnum):
+    """What an object of a scene is; scenes without kinds have objects alone."""
+
+    OBJECT = 0
+    CAR = 1
+    LORRY = 2
+    PERSON = 3
+    ANIMAL = 4
+
 
 TRUTH = np.dtype(
     [
@@ -31,11 +44,15 @@ TRUTH = np.dtype(
         ("vy", "<f8"),
         ("visible", "?"),
         ("occluded", "<f8"),
+        ("class_id", "<i8"),
     ]
 )
 
-TRUTH_COLUMNS = ("t_us", "object_id", "left", "top", "width", "height", "vx", "vy", "visible", "occluded")
-_FORMATS = ("%d", "%d", "%.4f", "%.4f", "%.4f", "%.4f", "%.3f", "%.3f", "%d", "%.4f")
+TRUTH_COLUMNS = ("t_us", "object_id", "left", "top", "width", "height", "vx", "vy", "visible", "occluded", "class_id")
+_FORMATS = ("%d", "%d", "%.4f", "%.4f", "%.4f", "%.4f", "%.3f", "%.3f", "%d", "%.4f", "%d")
+_WITHOUT_CLASSES = TRUTH_COLUMNS[:-1]  # files of evcot 0.2
+
+_COUNTED_OCCLUDED_MAX = 0.5  # as of the rule "scene"
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +100,8 @@ class Truth:
     Attributes:
         samples: (n,) of dtype `TRUTH`, by time, then by object: centre of the object's bounding box in event coordinates and
             its size in pixels, velocity of that centre in pixels per second; `visible` while the centre lies on the sensor;
-            `occluded`, the part of the object's area that nearer objects hide or that lies outside the sensor.
+            `occluded`, the part of the object's area that nearer objects hide or that lies outside the sensor; `class_id`, a
+            number of `ObjectClass`.
         boxes: the objects of the box experiment; `object_id` is the index.
         labels: what is abnormal in the scene; not part of the file.
     """
@@ -99,7 +117,7 @@ class Truth:
         left, top = samples["x"] - samples["width"] / 2, samples["y"] - samples["height"] / 2
         columns = (
             samples["t_us"], samples["object_id"], left, top, samples["width"], samples["height"], samples["vx"], samples["vy"],
-            samples["visible"], samples["occluded"],
+            samples["visible"], samples["occluded"], samples["class_id"],
         )  # fmt: skip
         table = np.stack(columns, axis=1, dtype=np.float64)
         np.savetxt(file, table, _FORMATS, ",", header=",".join(TRUTH_COLUMNS), comments="")
@@ -118,7 +136,7 @@ class Truth:
 
     @classmethod
     def load(cls, path: Path | str) -> Truth:
-        """Read samples written by `write`.
+        """Read samples written by `write`; in files without `class_id` all are `ObjectClass.OBJECT`.
 
         Raises:
             RecordingError: the file is missing, has other columns, or an invalid line.
@@ -127,10 +145,11 @@ class Truth:
         try:
             with path.open(encoding="utf-8") as file:
                 header = file.readline().strip()
-                if header != ",".join(TRUTH_COLUMNS):
+                columns = TRUTH_COLUMNS if header == ",".join(TRUTH_COLUMNS) else _WITHOUT_CLASSES
+                if header != ",".join(columns):
                     raise RecordingError(f"{path}: line 1: {header[:80]!r}: must be {','.join(TRUTH_COLUMNS)}")
                 lines = file.readlines()
-            table = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(TRUTH_COLUMNS)))
+            table = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(columns)))
         except OSError as error:
             raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
         except UnicodeDecodeError as error:
@@ -139,14 +158,30 @@ class Truth:
             raise
         except ValueError as error:
             raise RecordingError(f"{path}: {error}") from error
-        if table.shape[1] != len(TRUTH_COLUMNS):
-            raise RecordingError(f"{path}: line 2: {table.shape[1]} values: must be {len(TRUTH_COLUMNS)}")
+        if table.shape[1] != len(columns):
+            raise RecordingError(f"{path}: line 2: {table.shape[1]} values: must be {len(columns)}")
         samples = np.zeros(len(table), TRUTH)
-        for name, column in zip(TRUTH_COLUMNS, table.T, strict=True):
+        for name, column in zip(columns, table.T, strict=True):
             samples[{"left": "x", "top": "y"}.get(name, name)] = column
         samples["x"] += samples["width"] / 2
         samples["y"] += samples["height"] / 2
         return cls(samples)
+
+    def labelled_boxes(self, sensor: tuple[int, int] | None = None) -> Boxes:
+        """The visible objects as boxes with classes; those that are mostly occluded do not count.
+
+        Args:
+            sensor: (width, height) in pixels, which files of boxes state.
+        """
+        samples = self.samples[self.samples["visible"]]
+        instants_us, instant = np.unique(samples["t_us"], return_inverse=True)
+        rows = np.zeros(len(samples), BOX)
+        rows["instant"], rows["id"], rows["class_id"] = instant, samples["object_id"], samples["class_id"]
+        for low, axis, side in (("left", "x", "width"), ("top", "y", "height")):
+            rows[low], rows[side] = samples[axis] - samples[side] / 2, samples[side]
+        rows["confidence"], rows["visibility"] = 1.0, 1 - samples["occluded"]
+        rows["counted"] = samples["occluded"] <= _COUNTED_OCCLUDED_MAX
+        return Boxes(instants_us, rows, sensor, class_names={one.value: one.name.lower() for one in ObjectClass})
 
 
 def sample(boxes: tuple[Box, ...], times_us: NDArray[np.int64], sensor: tuple[int, int]) -> NDArray[np.void]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,8 @@ from evcot.outputs import written_aside
 from evcot.ranges import read_pair
 from evcot.recordings.files import write_events
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
+from evcot.tracks.formats.base import FrameClock
+from evcot.tracks.formats.coco import CocoBoxes
 
 from ...standard_streams import STANDARD_OUTPUT, format_name
 from ..options import sensor_from
@@ -69,10 +72,14 @@ def _scene(options: argparse.Namespace) -> dict[str, Any]:
     def blocks() -> Iterator[Events]:  # simulated only once the output can be written
         scene = SCENES[name].simulate(settings)
         scene.truth.write(truth_file)
+        if labels_file is not None:
+            CocoBoxes.write(labels_file, options.labels, scene.truth.labelled_boxes(sensor), FrameClock())
         yield scene.recording.events
 
-    with written_aside(truth_path, force=options.force) as truth_file:
-        sensor, kind = (settings.width, settings.height), format_name(options.output)
+    sensor, kind = (settings.width, settings.height), format_name(options.output)
+    with ExitStack() as held:
+        truth_file = held.enter_context(written_aside(truth_path, force=options.force))
+        labels_file = options.labels and held.enter_context(written_aside(options.labels, force=options.force))
         count = write_events(options.output, sensor, blocks(), kind, force=options.force)
     return _report(options, count, settings.width, settings.height, settings, str(truth_path))
 
@@ -84,7 +91,7 @@ def _footage(options: argparse.Namespace) -> dict[str, Any]:
     if not path.exists():
         rule = f"must be one of {', '.join(SCENES)}, a video file or a folder of images"
         raise ConfigError(f"SCENE {options.scene!r}: {rule}{meant(options.scene, SCENES)}")
-    for option in ("sensor", "truth"):
+    for option in ("sensor", "truth", "labels"):
         if getattr(options, option) is not None:
             raise ConfigError(f"--{option}: must not be given for footage, whose sensor is its own and whose truth is unknown")
     footage = adjusted("footage", Footage(), {"seed": options.seed, **_overrides(options, "footage")})

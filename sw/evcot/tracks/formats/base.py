@@ -102,8 +102,8 @@ class Boxes:
         instants_us: (f,) int64, ascending: all times that the file names, with or without boxes.
         rows: (n,) of dtype `BOX`, by instant.
         sensor: (width, height) in pixels, if the file has it.
+        class_names: class number -> name, as far as known.
         unit, places: what a row is called in messages, as "line", and its number.
-        class_names: those that the file has.
     """
 
     instants_us: NDArray[np.int64]
