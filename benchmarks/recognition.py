@@ -3,6 +3,8 @@
 
     python benchmarks/recognition.py           # 8 folds of 100 samples; validation
     python benchmarks/recognition.py --all     # also what costs how much, a baseline, and other objects
+    python benchmarks/recognition.py --still   # digits that stand against digits that move
+    python benchmarks/recognition.py --hats    # the baseline HATS
 
 The network of a fold is trained on windows that the tracker has found of the other 700 samples, of both kinds together.
 A track's class is that of all its windows together, as in the last verdict of up to 128 windows; its true class that of the
@@ -42,6 +44,7 @@ from evcot.trackers.presets import MOTION, fit
 from evcot.tracks.formats.base import BOX, Boxes
 from field.digits import digit_labels, digits
 from field.transforms import poisson_noise
+from hats import HatsTracker, linear
 
 WAYS = "apart", "crossing"
 FOLDS, AT_ONCE = 8, 4
@@ -109,6 +112,16 @@ def config_for(recording: Recording) -> MotionConfig:
     config = fit(MOTION, recording.width, recording.height).device_config(recording.width, recording.height)
     assert isinstance(config, MotionConfig)
     return config
+
+
+def hats_in(fold: int, way: str, draw: int) -> Found:
+    """As `found_in`, with the features of HATS for images."""
+    parts = []
+    for number, (recording, boxes) in enumerate(scenes(fold, way, draw)):
+        windows = HatsTracker(config_for(recording), RecognitionRegisters()).windows(recording.events)
+        windows.states["track_id"] += number << 32
+        parts.append(label_windows(windows, boxes))
+    return Found(fold, way, LabelledWindows.of(parts))
 
 
 def found_in(fold: int, way: str, draw: int, registers: RecognitionRegisters, truth_centred: bool = False) -> Found:
@@ -199,9 +212,16 @@ def pca_and_neighbours(windows: LabelledWindows, _seed: int) -> Callable[[NDArra
     return lambda others: -nearest.predict_proba(components.transform(others.astype(np.float32)))
 
 
+def hats_and_linear(windows: LabelledWindows, _seed: int) -> Callable[[NDArray[np.float32]], NDArray[np.float64]]:
+    """Baseline HATS: a linear classifier of time surfaces, which stand in for the images."""
+    labelled = windows.class_id != UNLABELLED
+    weights, offset = linear(windows.images[labelled], windows.class_id[labelled], 10)
+    return lambda features: -(np.sqrt(features) @ weights + offset).astype(np.float64)
+
+
 def validate(found: Sequence[Found], scored: Sequence[Found], folds: Sequence[int], learner: Learner, seed: int) -> Scores:
     """Train on all folds but one, score that one; for each of `folds`."""
-    scores: Scores = {way: [] for way in WAYS}
+    scores: Scores = {one.way: [] for one in scored}
     for fold in folds:
         loss = learner(LabelledWindows.of([one.windows for one in found if one.fold != fold]), seed)
         for one in scored:
@@ -251,6 +271,23 @@ def print_strangers(found: Sequence[Found], scores: Scores, seed: int) -> None:
         print(f"{name:10s} {named} of {len(tracks)} tracks with a verdict are called a digit", flush=True)
 
 
+def print_still(folds: Sequence[int], draws: Sequence[int], seed: int) -> None:
+    """Digits that stand, but for the camera's saccades, and digits that move apart: trained on one kind, scored on both."""
+    kinds = {
+        way: [found_in(fold, way, draw, RecognitionRegisters()) for draw in draws for fold in range(FOLDS)]
+        for way in ("still", "apart")
+    }
+    first = [one for kind in kinds.values() for one in kind[:FOLDS]]
+    for name, kind in kinds.items():
+        print_scores(f"trained on {name}", validate(kind, first, folds, int8, seed))
+
+
+def print_hats(folds: Sequence[int], draws: Sequence[int], seed: int) -> None:
+    """The baseline HATS."""
+    found = [hats_in(fold, way, draw) for draw in draws for way in WAYS for fold in range(FOLDS)]
+    print_scores("HATS, linear", validate(found, found[: len(WAYS) * FOLDS], folds, hats_and_linear, seed))
+
+
 def print_speed() -> None:
     """Owned events per second of the golden model, without the tracker in front."""
     recording, _ = next(scenes(0, "apart", 1))
@@ -276,6 +313,8 @@ def main() -> None:
     parser.add_argument("--folds", type=int, nargs="+", default=list(range(FOLDS)))
     parser.add_argument("--draws", type=int, nargs="+", default=[1, 2], help="seeds of the paths; the first is scored")
     parser.add_argument("--seed", type=int, default=1, help="seed of the training")
+    parser.add_argument("--still", action="store_true", help="only: still digits against moving ones")
+    parser.add_argument("--hats", action="store_true", help="only: the baseline HATS")
     parser.add_argument("--all", action="store_true", help="also float, truth-centred, baseline, other objects (10 minutes)")
     options = parser.parse_args()
 
@@ -287,6 +326,12 @@ def main() -> None:
         ]
         return [one for of_draw in per_draw for one in of_draw], per_draw[0]
 
+    if options.hats:
+        print_hats(options.folds, options.draws, options.seed)
+        return
+    if options.still:
+        print_still(options.folds, options.draws, options.seed)
+        return
     print_speed()
     windows = found(False)
     scores = validate(*windows, options.folds, int8, options.seed)

@@ -50,15 +50,14 @@ def _builder(ways: str, count: int, seed: tuple[int, ...]) -> Callable[[], Membe
 
 
 def digits(ways: str, count: int, seed: tuple[int, ...], numbers: Sequence[int] | None = None) -> Member:
-    """So many digits, "apart" or "crossing"; of these samples, or else of random ones."""
+    """So many digits, "apart", "crossing" or "still" (apart, no path); of these samples, or else of random ones."""
     random = np.random.default_rng((*seed, count))
     chosen = random.choice(800, count, replace=False) if numbers is None else numbers
     samples = [_sample(int(number)) for number in chosen]
     swept = [_extent(np.stack((one.x, one.y))) for one in samples]
     still = [_extent(np.stack((one.x, one.y)) - _loop(one.t_us)) for one in samples]
-    paths = Bouncing(
-        _SENSOR, np.stack([size_px for _, size_px in swept]), random.uniform(*_SPEED_PX_S, count), ways == "crossing", random
-    )
+    speed_px_s = random.uniform(*_SPEED_PX_S, count) * (ways != "still")
+    paths = Bouncing(_SENSOR, np.stack([size_px for _, size_px in swept]), speed_px_s, ways == "crossing", random)
     end_us = round(_SECONDS * 1e6)
     streams = [
         _carried(one, middle, paths, number, end_us)

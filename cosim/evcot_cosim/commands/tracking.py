@@ -127,7 +127,7 @@ def add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
 
 _TRAIN_EXAMPLES = """
 evcot train one.aedat4 two.aedat4 --labels one.json two.json -o digits.npz   # COCO boxes with classes
-evcot train drive.raw --labels drive_bbox.npy -o vehicles.npz
+evcot train drive.raw --labels drive_bbox.npy --size-speed -o vehicles.npz
 """
 
 
@@ -149,6 +149,7 @@ def add_train(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     group.add_argument(
         "--margin-min", type=int, default=0, metavar="N", help="a smaller margin per window is no class (0 to 255, default: 0)"
     )
+    group.add_argument("--size-speed", action="store_true", help="learn to use size and speed of a track, too")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the training (default: 1)")
     clock_options(parser, "0")
     damage_options(parser)

@@ -20,6 +20,7 @@ __all__ = [
     "HIDDEN",
     "HIDDEN_MAX",
     "LOSS_MAX",
+    "MOTION_INPUTS",
     "NONE",
     "RAW_VERDICT",
     "SERVICE_EVENTS",
@@ -40,6 +41,7 @@ CLASSES_MAX = 10
 LOSS_MAX = 255  # of a class in one window
 VOTED_MAX = 128  # windows in a vote; then votes and their number are halved
 NONE = 15  # class of a verdict with too small a margin
+MOTION_INPUTS = 4  # of rule S2 besides those of the classes: width, height, speed, 1
 SERVICE_EVENTS = 768  # owned events, of all slots, after which a window counts as evaluated
 
 

@@ -22,6 +22,7 @@ from ..tracks.record import TRACK, VERDICT, last_until, no_verdicts
 from ..tracks.tracking import TrackerOutput
 from .contract import CELLS, NONE, RecognitionRegisters
 from .model import Classifier, OwnedEvents, Windows
+from .size_speed import class_indices
 from .weights import Weights
 
 __all__ = ["ClassifyingTracker", "TrackClassifier", "TrackWindows", "WindowTracker", "joined", "start_classifying"]
@@ -62,6 +63,7 @@ class TrackClassifier:
             raise ConfigError(f"engine {config.module}: must be {weights.tracker}, the tracker of the weights")
         shape = config.shape
         self._classifier = Classifier(weights.registers, weights.network, shape.n_slots, shape.rel_w)
+        self._size_speed = weights.size_speed
         self._class_ids = np.full(NONE + 1, -1, np.int64)
         self._class_ids[: len(weights.class_ids)] = weights.class_ids
         self._newest = _Newest(shape.n_slots)
@@ -82,8 +84,10 @@ class TrackClassifier:
         verdicts["event_index"], verdicts["t_us"] = event, events.t_us[event - first]
         for name in ("slot", "margin", "windows"):
             verdicts[name] = raw[name]
-        verdicts["class_id"] = self._class_ids[raw["class"]]
-        verdicts["track_id"] = self._newest.at(event, raw["slot"].astype(np.int64), records)["track_id"]
+        states = self._newest.at(event, raw["slot"].astype(np.int64), records)
+        verdicts["track_id"] = states["track_id"]
+        index = class_indices(self._size_speed, raw, states) if len(self._size_speed) else raw["class"]
+        verdicts["class_id"] = self._class_ids[index]
         self._newest.fed(records)
         return verdicts
 

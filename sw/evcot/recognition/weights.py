@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from dataclasses import astuple, dataclass, fields, replace
+from dataclasses import astuple, dataclass, field, fields, replace
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from ..errors import ConfigError, reason_of
 from ..outputs import note_input, written_aside
 from ..tracks.record import ClassNames, check_class_name
-from .contract import VERSION, RecognitionRegisters
+from .contract import MOTION_INPUTS, VERSION, RecognitionRegisters
 from .model import Network
 
 __all__ = ["Weights"]
 
 _ARRAY_BYTES_MAX = 1 << 16  # of a file's array, which may claim anything
-_ARRAYS = ("version", "tracker", "registers", "class_ids", "class_names", "w1", "w2", "checksum")
+_ARRAYS = ("version", "tracker", "registers", "class_ids", "class_names", "w1", "w2", "size_speed", "checksum")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +35,11 @@ class Weights:
         class_ids: the number that labels give each class, in the order of the network.
         tracker: name of the module whose owned events it was trained on.
         class_names: of the classes, in the same order; a class that labels do not name has its number.
+        size_speed: (classes + MOTION_INPUTS, classes) float64, weights of rules S; (0, 0) for none.
 
     Raises:
-        ConfigError: class numbers that are not one for each class of network and registers, or occur twice; the same of names.
+        ConfigError: class numbers that are not one for each class of network and registers, or occur twice; the same of names;
+            `size_speed` of another shape or type, or with a value that is not finite.
     """
 
     network: Network
@@ -45,6 +47,7 @@ class Weights:
     class_ids: tuple[int, ...]
     tracker: str = "cot_motion"
     class_names: tuple[str, ...] = ()
+    size_speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         count = self.network.w2.shape[1]
@@ -58,6 +61,12 @@ class Weights:
         if not len(set(self.class_names)) == len(self.class_names) == count:
             shown = ", ".join(self.class_names)
             raise ConfigError(f"class_names = {shown}: must be {count} different names, one for each of class_ids")
+        table = self.size_speed
+        if table.dtype != np.float64 or table.shape not in ((0, 0), (count + MOTION_INPUTS, count)):
+            wanted = f"({count + MOTION_INPUTS}, {count}) or (0, 0) float64"
+            raise ConfigError(f"size_speed is {table.shape} {table.dtype}: must be {wanted}")
+        if not np.isfinite(table).all():
+            raise ConfigError("size_speed: must be finite numbers")
 
     def named(self, names: ClassNames) -> Weights:
         """The same with these names of its classes.
@@ -109,7 +118,8 @@ class Weights:
             registers = RecognitionRegisters(*arrays["registers"].tolist())
             class_ids = tuple(arrays["class_ids"].tolist())
             names = tuple(str(name) for name in arrays["class_names"].ravel().tolist())
-            return cls(Network(arrays["w1"], arrays["w2"]), registers, class_ids, str(arrays["tracker"]), names)
+            network = Network(arrays["w1"], arrays["w2"])
+            return cls(network, registers, class_ids, str(arrays["tracker"]), names, arrays["size_speed"])
         except ConfigError as error:
             raise ConfigError(f"{path}: {error}") from error
 
@@ -124,6 +134,7 @@ class Weights:
             "registers": np.array(astuple(self.registers), np.int64), "class_ids": np.array(self.class_ids, np.int64),
             "class_names": np.array(self.class_names, np.str_),
             "w1": self.network.w1, "w2": self.network.w2,
+            "w1": self.network.w1, "w2": self.network.w2, "size_speed": self.size_speed,
         }  # fmt: skip
 
 

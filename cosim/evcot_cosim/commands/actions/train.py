@@ -14,6 +14,7 @@ import numpy as np
 from evcot.errors import ConfigError, TrackLogError
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.modules import DEFAULT_MODULE
+from evcot.recognition.size_speed_training import fitted_size_speed
 from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, registers_for, train, windows_of
 from evcot.trackers.presets import fit
 from evcot.trackers.settings import engine_settings
@@ -38,7 +39,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     labels = [read_boxes(as_file(path), clock, options.labels_format) for path in options.labels]
     names = _names(options.labels, labels)
     registers = registers_for(labels, options.window_log2, options.margin_min)
-    parts = []
+    parts, states = [], []
     for path, label_path, boxes in zip(options.recordings, options.labels, labels, strict=True):
         with open_from(options, path) as file, Counting(f"tracking {path}", enabled=not options.json) as counting:
             run_config, filters = engine_settings(DEFAULT_MODULE, file.sensor, options.preset, options.config, mark="--")
@@ -48,9 +49,13 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         found = label_windows(windows, boxes)
         if len(windows.t_us) and (found.class_id == UNLABELLED).all():
             raise TrackLogError(f"{label_path}: no track of {path} is in a box: must be the labels of this recording")
-        parts.append(found)
+        parts.append(replace(found, track_id=found.track_id + (len(parts) << 32)))
+        states.append(windows.states)
     with Counting("training", enabled=not options.json):
-        weights = train(LabelledWindows.of(parts), registers, config.module, options.seed).named(names)
+        every = LabelledWindows.of(parts)
+        weights = train(every, registers, config.module, options.seed).named(names)
+        if options.size_speed:
+            weights = replace(weights, size_speed=fitted_size_speed(weights, every, np.concatenate(states)))
     weights.save(options.output, force=options.force)
     class_id = np.concatenate([part.class_id for part in parts])
     counts = {name: int((class_id == number).sum()) for number, name in weights.names.items()}
