@@ -15,6 +15,7 @@ __all__ = ["fitted_size_speed", "verdicts_of"]
 
 _RIDGE = 1e-3  # of the weights' squares, in units of the mean loss of a track
 _STEPS = 500
+_SPREAD_MIN = 1e-6  # of an input's standard deviation: others are constant
 
 
 def verdicts_of(weights: Weights, windows: LabelledWindows) -> tuple[NDArray[np.int64], ...]:
@@ -48,7 +49,7 @@ def fitted_size_speed(weights: Weights, windows: LabelledWindows, states: NDArra
     _, track, counts = np.unique(track_id, return_inverse=True, return_counts=True)
     share = 1 / (counts[track] * len(counts))
     middle, spread = inputs.mean(axis=0), inputs.std(axis=0)
-    middle[-1], spread[spread == 0] = 0.0, 1.0
+    middle[-1], spread[spread < _SPREAD_MIN] = 0.0, 1.0
     scaled = _logistic((inputs - middle) / spread, wanted.astype(np.float64), share) / spread[:, None]
     scaled[-1] -= middle @ scaled
     return scaled

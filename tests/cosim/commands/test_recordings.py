@@ -19,6 +19,7 @@ from evcot.events import Events
 from evcot.recordings.files import read_recording, write_events
 from evcot.recordings.formats import WRITABLE
 from evcot.scenes import SCENES, Truth, simulate_scene
+from evcot.tracks.formats.registry import read_boxes
 from evcot_cosim.cli import main
 
 from ..conftest import Refused
@@ -356,6 +357,25 @@ def test_size_seed_and_place_of_the_truth_can_be_chosen_and_the_report_says_so(c
     assert report["events"] == len(read_recording("b.npz").events)
     assert (report["settings"]["jitter_us"], report["settings"]["duration_us"]) == (0, 100_000)
     assert len(Truth.load("t.csv").samples) == 9 * 100
+
+
+def test_labels_are_coco_boxes_with_the_names_of_the_classes(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["-o", "h.npz", "--labels", "h.json", "--duration", "0.1", "--set", "truth_step_us=50000"]
+    assert main(["simulate", "highway", *arguments]) == 0
+    samples = Truth.load("h.truth.csv").samples
+    samples = samples[samples["visible"]]
+    data = json.loads(Path("h.json").read_text())
+    assert [image["t_us"] for image in data["images"]] == [0, 50_000]
+    assert {(one["id"], one["name"]) for one in data["categories"]} == {(1, "car"), (2, "lorry")}
+    boxes = read_boxes("h.json")
+    assert boxes.rows["class_id"].tolist() == samples["class_id"].tolist()
+    assert boxes.rows["counted"].tolist() == (samples["occluded"] <= 0.5).tolist()
+    np.testing.assert_allclose(boxes.rows["left"], samples["x"] - samples["width"] / 2, atol=1e-3)
+    Path("h.npz").unlink()
+    Path("h.truth.csv").unlink()
+    assert main(["simulate", "highway", *arguments]) == 2
+    assert "h.json: exists" in capsys.readouterr().err
+    assert [path.name for path in Path.cwd().iterdir()] == ["h.json"]
 
 
 def test_the_scenes_and_a_scenes_settings_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

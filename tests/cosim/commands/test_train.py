@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import evcot
+from evcot.recognition.weights import Weights
 from evcot_cosim.cli import main
 
 SENSOR = 200, 100
@@ -132,6 +134,26 @@ def test_a_margin_that_nothing_reaches_gives_none_of_the_classes(trained: Path, 
     assert main(["train", *files[0], "--labels", *files[1], "-o", strict, "--window-log2", "8", "--margin-min", "255"]) == 0
     found = evcot.track(trained / "e.aedat4", classify=strict).verdicts
     assert set(found["class_id"][found["margin"] < 255 * found["windows"]]) == {-1}
+
+
+def test_size_and_speed_are_learned_where_that_is_asked_for(trained: Path, tmp_path: Path) -> None:
+    files = [[str(trained / f"{name}.{suffix}") for name in "abcd"] for suffix in ("aedat4", "json")]
+    sized = tmp_path / "sized.npz"
+    assert main(["train", *files[0], "--labels", *files[1], "-o", str(sized), "--window-log2", "8", "--size-speed"]) == 0
+    plain, weights = Weights.load(trained / "w.npz"), Weights.load(sized)
+    assert (plain.size_speed.shape, weights.size_speed.shape) == ((0, 0), (6, 2))
+    assert np.array_equal(plain.network.w1, weights.network.w1)
+    for name, class_id in (("e", 0), ("f", 1)):
+        found = evcot.track(trained / f"{name}.aedat4", classify=sized).verdicts
+        assert found["class_id"][-1] == class_id
+    # A table that knows one class alone gives it, whatever the image says; margin and windows stay the hardware's.
+    only = np.zeros((6, 2))
+    only[-1, 1] = 1.0
+    replace(weights, size_speed=only).save(tmp_path / "only.npz")
+    other = evcot.track(trained / "e.aedat4", classify=tmp_path / "only.npz").verdicts
+    image = evcot.track(trained / "e.aedat4", classify=trained / "w.npz").verdicts
+    assert set(other["class_id"]) == {1}
+    assert np.array_equal(other[["margin", "windows"]], image[["margin", "windows"]])
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 
 from evcot.errors import ConfigError, EvcotError, RecordingError
 from evcot.metrics import Rule, load_rule, read_truth
+from evcot.metrics.truth import rule_for
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.tracks.formats.base import FrameClock
 from support.refusals import refused
@@ -166,3 +167,17 @@ def test_a_box_off_the_sensor_is_refused_in_csv_too(tmp_path: Path) -> None:
     path = written(tmp_path, "0,100,a,0,0,5,5", "0,100,b,400,0,5,5")
     with pytest.raises(RecordingError, match=r"line 3: x = 402\.5, width = 5: must reach the sensor's 346x260 pixels$"):
         read_truth(path, RULE.on((346, 260)))
+
+
+def test_classes_are_those_of_the_column_or_unknown(tmp_path: Path) -> None:
+    header = "t_us,object_id,left,top,width,height,vx,vy,visible,occluded"
+    path = tmp_path / "truth.csv"
+    for classes, wanted in ((("", ""), [-1, -1]), ((",2", ",7"), [2, 7])):
+        name = ",class_id" if classes[0] else ""
+        path.write_text(f"{header}{name}\n5,0,1,2,3,4,0,0,1,0{classes[0]}\n9,0,1,2,3,4,0,0,1,0{classes[1]}\n")
+        rule = rule_for(path)
+        assert rule == load_rule("scene")
+        assert read_truth(path, rule).objects["class_id"].tolist() == wanted
+    path.write_text(f"{header},class_id\n5,0,1,2,3,4,0,0,1,0,1.5\n")
+    with pytest.raises(RecordingError, match=r"line 2: class_id = '1\.5': must be a class's number, an integer"):
+        read_truth(path, load_rule("scene"))

@@ -13,7 +13,7 @@ from evcot.scenes import highway
 from evcot.scenes.planted import KINDS
 from evcot.scenes.registry import scene_settings, simulate_scene
 from evcot.scenes.stage import _samples
-from evcot.scenes.truth import Label
+from evcot.scenes.truth import Label, ObjectClass
 
 ALL = dict.fromkeys(KINDS, 2)
 
@@ -88,3 +88,22 @@ def test_labels_come_with_the_scene() -> None:
     (label,) = scene.truth.labels
     assert label.kind == "speeding"
     assert label.end_us - label.begin_us > 1_500_000
+
+
+def test_each_object_has_its_class() -> None:
+    stage, samples, labels = staged(story=0, vehicles_per_s=1.2, lorry_share=0.5, crossing=2, loitering=2)
+    traffic = stage._traffic
+    assert (samples["class_id"] == traffic.class_id[samples["object_id"]]).all()
+    size_of = {
+        ObjectClass.CAR: (1.8, 1.5),
+        ObjectClass.LORRY: (2.5, 3.4),
+        ObjectClass.PERSON: (0.6, 1.75),
+        ObjectClass.ANIMAL: (1.5, 1.3),
+    }
+    for class_id, width_m, height_m in zip(traffic.class_id, traffic.width_m, traffic.height_m, strict=True):
+        assert abs(width_m / size_of[class_id][0] - 1) < 0.0701
+        assert abs(height_m / size_of[class_id][1] - 1) < 0.0701
+    assert {ObjectClass.CAR, ObjectClass.LORRY, ObjectClass.PERSON} <= set(traffic.class_id)
+    for label in labels:
+        walks = ObjectClass.PERSON if label.kind == "loitering" else (ObjectClass.PERSON, ObjectClass.ANIMAL)
+        assert traffic.class_id[label.object_id] in np.atleast_1d(walks)

@@ -312,7 +312,7 @@ def test_the_highway_tells_its_story() -> None:
 def test_no_two_vehicles_of_the_highway_ever_collide() -> None:
     stage = stage_of("highway", duration_us=30_000_000, vehicles_per_s=3.0)
     traffic = stage._traffic
-    assert len(traffic.is_lorry) > 30
+    assert len(traffic.class_id) > 30
     for t_s in np.arange(0, 30, 0.25):
         now = traffic.at(float(t_s))
         gap_x = abs(now.across_m[:, None] - now.across_m) - (traffic.width_m[:, None] + traffic.width_m) / 2

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from evcot.errors import RecordingError
 from evcot.scenes._occlusion_kernel import hidden_parts
 from evcot.scenes.shapes import discs, quadrangles
-from evcot.scenes.truth import TRUTH, Box, Truth, sample
+from evcot.scenes.truth import TRUTH, Box, ObjectClass, Truth, sample
 from support.refusals import refused
 
 STORY = Box(
@@ -44,7 +44,19 @@ def test_a_box_is_visible_while_its_centre_is_on_the_sensor() -> None:
     np.testing.assert_allclose(x[:2], [-0.6, -0.4])
     assert samples["visible"].tolist() == [False, True, True, False, False, False]
     assert y[3] > 14.5
-    assert samples.dtype.names == ("t_us", "object_id", "x", "y", "width", "height", "vx", "vy", "visible", "occluded")
+    assert samples.dtype.names == (
+        "t_us",
+        "object_id",
+        "x",
+        "y",
+        "width",
+        "height",
+        "vx",
+        "vy",
+        "visible",
+        "occluded",
+        "class_id",
+    )
 
 
 def test_a_box_is_occluded_by_the_part_that_lies_outside_the_sensor() -> None:
@@ -59,7 +71,7 @@ def test_truth_survives_a_file(tmp_path: Path) -> None:
     samples = sample((STORY, STORY), np.arange(0, 500_000, 7_000), (10, 15))
     path = tmp_path / "story.truth.csv"
     Truth(samples).save(path)
-    first = "0,0,-5.0000,4.0000,4.0000,2.0000,0.000,0.000,0,1.0000"
+    first = "0,0,-5.0000,4.0000,4.0000,2.0000,0.000,0.000,0,1.0000,0"
     assert path.read_text().startswith(f"{HEADER}{first}\n")
     loaded = Truth.load(path).samples
     assert loaded.dtype == TRUTH
@@ -70,7 +82,7 @@ def test_truth_survives_a_file(tmp_path: Path) -> None:
     assert len(Truth.load(tmp_path / "t.csv").samples) == 0
 
 
-HEADER = "t_us,object_id,left,top,width,height,vx,vy,visible,occluded\n"
+HEADER = "t_us,object_id,left,top,width,height,vx,vy,visible,occluded,class_id\n"
 
 
 @pytest.mark.parametrize(
@@ -78,9 +90,9 @@ HEADER = "t_us,object_id,left,top,width,height,vx,vy,visible,occluded\n"
     [
         (b"", "line 1: '': must be t_us,object_id,left"),
         (b"a,b\n1,2\n", "line 1: 'a,b': must be t_us,object_id,left"),
-        (HEADER.encode() + b"1,2,3\n", "line 2: 3 values: must be 10"),
-        (HEADER.encode() + b"1,2,3,4,5,6,7,8,9,x\n", "could not convert string 'x' to float64"),
-        (HEADER.encode() + b"1,0,3,4,5,6,7,8,1,0\n1,2\n", "the number of columns changed from 10 to 2"),
+        (HEADER.encode() + b"1,2,3\n", "line 2: 3 values: must be 11"),
+        (HEADER.encode() + b"1,2,3,4,5,6,7,8,9,10,x\n", "could not convert string 'x' to float64"),
+        (HEADER.encode() + b"1,0,3,4,5,6,7,8,1,0,0\n1,2\n", "the number of columns changed from 11 to 2"),
         (b"\xff\xfe\x00", "byte 0: must be UTF-8 text"),
     ],
 )
@@ -91,6 +103,27 @@ def test_a_file_that_is_no_truth_is_refused(tmp_path: Path, content: bytes, mess
         Truth.load(path)
     with pytest.raises(RecordingError, match=r"none\.csv: cannot be read: No such file"):
         Truth.load(tmp_path / "none.csv")
+
+
+def test_a_file_without_classes_is_still_read(tmp_path: Path) -> None:
+    (tmp_path / "old.csv").write_text(HEADER.replace(",class_id", "") + "5,2,10,20,4,6,7,8,1,0.25\n")
+    samples = Truth.load(tmp_path / "old.csv").samples
+    assert (samples["x"][0], samples["occluded"][0], samples["class_id"][0]) == (12.0, 0.25, ObjectClass.OBJECT)
+
+
+def test_visible_objects_are_labelled_boxes() -> None:
+    samples = np.zeros(4, TRUTH)
+    samples["t_us"], samples["object_id"], samples["class_id"] = (0, 0, 9, 9), (0, 1, 0, 1), (1, 3, 1, 3)
+    samples["x"], samples["y"], samples["width"], samples["height"] = 10.0, 20.0, 4.0, 6.0
+    samples["visible"], samples["occluded"] = (1, 1, 0, 1), (0.0, 0.5, 0.0, 0.6)
+    boxes = Truth(samples).labelled_boxes((30, 40))
+    assert (boxes.instants_us.tolist(), boxes.sensor) == ([0, 9], (30, 40))
+    assert boxes.rows[["instant", "id", "class_id", "left", "top", "counted"]].tolist() == [
+        (0, 0, 1, 8.0, 17.0, True),
+        (0, 1, 3, 8.0, 17.0, True),
+        (1, 1, 3, 8.0, 17.0, False),
+    ]
+    assert boxes.class_names[ObjectClass.PERSON] == "person"
 
 
 def box(number: int, left: float, top: float, width: float, height: float) -> NDArray[np.float64]:
