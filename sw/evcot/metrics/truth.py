@@ -170,17 +170,13 @@ def rule_for(path: Path | str, format: str | None = None) -> Rule:
     with _csv(Path(path)) as (header, _):
         pass
     rules = [rule for rule in map(load_rule, RULES) if rule.columns]
-    return next((rule for rule in rules if _needed(rule) <= set(header)), rules[0])
+    return next((rule for rule in rules if set(rule.columns.values()) <= set(header)), rules[0])
 
 
 _CLASS_MAX = 2**60
 _ROWS = 1 << 12  # of a CSV file, taken apart at once
 _COUNTED_BY = {"confidence": "confidence", "class": "class_id", "visibility": "visibility"}
 _REAL = ("left", "top", "width", "height", "x", "y", "vx", "vy")
-
-
-def _needed(rule: Rule) -> set[str]:
-    return {name for meaning, name in rule.columns.items() if meaning != "class_id"}
 
 
 def _instant(rule: Rule) -> str:

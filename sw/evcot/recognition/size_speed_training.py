@@ -18,7 +18,7 @@ _STEPS = 500
 _SPREAD_MIN = 1e-6  # of an input's standard deviation: others are constant
 
 
-def verdicts_of(weights: Weights, windows: LabelledWindows) -> tuple[NDArray[np.int64], ...]:
+def verdicts_of(weights: Weights, windows: LabelledWindows) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Winner, margin and number of windows of the vote after each window, (n,) int64, without `margin_min`."""
     _, first, track = np.unique(windows.track_id, return_index=True, return_inverse=True)
     stages = np.full(len(track), 2, np.uint8)
@@ -52,7 +52,7 @@ def fitted_size_speed(weights: Weights, windows: LabelledWindows, states: NDArra
     middle[-1], spread[spread < _SPREAD_MIN] = 0.0, 1.0
     scaled = _logistic((inputs - middle) / spread, wanted.astype(np.float64), share) / spread[:, None]
     scaled[-1] -= middle @ scaled
-    return scaled
+    return np.asarray(scaled)
 
 
 def _logistic(inputs: NDArray[np.float64], wanted: NDArray[np.float64], share: NDArray[np.float64]) -> NDArray[np.float64]:

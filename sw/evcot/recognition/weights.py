@@ -133,7 +133,6 @@ class Weights:
             "version": np.array(VERSION), "tracker": np.array(self.tracker),
             "registers": np.array(astuple(self.registers), np.int64), "class_ids": np.array(self.class_ids, np.int64),
             "class_names": np.array(self.class_names, np.str_),
-            "w1": self.network.w1, "w2": self.network.w2,
             "w1": self.network.w1, "w2": self.network.w2, "size_speed": self.size_speed,
         }  # fmt: skip
 

@@ -87,7 +87,7 @@ def test_size_decides_where_the_image_does_not() -> None:
 
 def test_every_track_counts_once_and_unlabelled_ones_never() -> None:
     # One long track and two short ones look alike: the short ones outvote it.
-    windows = windows_of([1] * 50 + [2, 3] + [4] * 30, [12] * 82, [7] * 50 + [9, 9] + [UNLABELLED] * 30)
+    windows = windows_of([1] * 50 + [2, 3] + [4] * 30, [10] * 82, [7] * 50 + [9, 9] + [UNLABELLED] * 30)
     states = states_of(*[(20.0, 20.0, 0.0, 0.0)] * 82)
     size_speed = fitted_size_speed(network(), windows, states)
     inputs = inputs_of(np.array([0]), np.array([0]), np.array([1]), states[:1], 2)

@@ -39,7 +39,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     labels = [read_boxes(as_file(path), clock, options.labels_format) for path in options.labels]
     names = _names(options.labels, labels)
     registers = registers_for(labels, options.window_log2, options.margin_min)
-    parts, states = [], []
+    parts: list[LabelledWindows] = []
+    states = []
     for path, label_path, boxes in zip(options.recordings, options.labels, labels, strict=True):
         with open_from(options, path) as file, Counting(f"tracking {path}", enabled=not options.json) as counting:
             run_config, filters = engine_settings(DEFAULT_MODULE, file.sensor, options.preset, options.config, mark="--")
