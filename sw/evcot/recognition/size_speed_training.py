@@ -20,12 +20,11 @@ _SPREAD_MIN = 1e-6  # of an input's standard deviation: others are constant
 
 def verdicts_of(weights: Weights, windows: LabelledWindows) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Winner, margin and number of windows of the vote after each window, (n,) int64, without `margin_min`."""
-    _, first, track = np.unique(windows.track_id, return_index=True, return_inverse=True)
-    stages = np.full(len(track), 2, np.uint8)
-    stages[first] = 1
+    tracks, track = np.unique(windows.track_id, return_inverse=True)
+    stages = np.full(len(track), 2, np.uint8)  # not 1, which begins a vote: each track has its own
     registers, network = weights.registers, weights.network
     pairs = np.stack((np.arange(len(track)), track), axis=1)
-    votes, voted = np.zeros((len(first), registers.classes), np.int64), np.zeros(len(first), np.int64)
+    votes, voted = np.zeros((len(tracks), registers.classes), np.int64), np.zeros(len(tracks), np.int64)
     out = np.zeros((len(track), 5), np.int64)
     judge(
         network.w1.astype(np.int32), network.w2.astype(np.int32), registers.shift_1, registers.shift_2, 0,
