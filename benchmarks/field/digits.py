@@ -150,8 +150,8 @@ def _carried(sample: Events, middle: NDArray[np.float64], paths: Bouncing, numbe
     times = -(-end_us // period_us)
     t_us = (sample.t_us + period_us * np.arange(times)[:, None]).ravel()
     (path_x, path_y), _ = paths.at(t_us, number)
-    x = np.rint(path_x + np.tile(sample.x, times) - middle[0])
-    y = np.rint(path_y + np.tile(sample.y, times) - middle[1])
+    x = np.tile(sample.x, times) + np.rint(path_x - middle[0])  # one whole shift for all pixels: rows must not coincide
+    y = np.tile(sample.y, times) + np.rint(path_y - middle[1])
     inside = (x >= 0) & (x < _SENSOR[0]) & (y >= 0) & (y < _SENSOR[1]) & (t_us < end_us)
     p = np.tile(sample.p, times)
     return Events(t_us[inside], x[inside].astype(np.uint16), y[inside].astype(np.uint16), p[inside])

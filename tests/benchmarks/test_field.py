@@ -30,6 +30,7 @@ from field.contenders import Contender, contenders, more_settings
 from field.hard import without_faint
 from field.member import Absent, Entry, Member, nothing_there, scene_rule
 from field.oracle import oracle_log
+from field.paths import Bouncing
 from field.reference import SEEN, Scale, reference
 from field.scoring import PACKET_US, Score, run, score, score_log
 from field.simulated import with_grass
@@ -295,6 +296,17 @@ def test_members_of_absent_recordings_are_left_out_and_it_says_so(
     said = capsys.readouterr().err
     assert said.count("left out") == len(own)
     assert "traffic_outbound.aedat4 is not in" in said
+
+
+def test_a_digit_in_its_row_keeps_all_rows_of_its_sample() -> None:
+    if not (SHARED / "nmnist_800.npz").is_file():
+        pytest.skip("nmnist_800.npz is not here")
+    sample = digits._sample(0)
+    paths = Bouncing((346, 260), np.array([[20.0, 20.0]]), np.array([60.0]), False, np.random.default_rng(1))
+    for middle_y in (16.0, 16.5):
+        carried = digits._carried(sample, np.array([16.0, middle_y]), paths, 0, 50_000)
+        begin = sample.t_us < 50_000
+        assert len(set((carried.y.astype(int) - sample.y[begin]).tolist())) == 1
 
 
 def test_a_digits_events_lie_in_its_box() -> None:
