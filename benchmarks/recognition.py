@@ -52,7 +52,7 @@ LONG = 10  # windows of a track
 
 
 class Found(NamedTuple):
-    """Windows of the recordings of a fold, "apart" or "crossing"; track ids are numbered through."""
+    """Windows of the recordings of a fold, "apart" or "crossing"; no track id occurs twice, also not in other draws."""
 
     fold: int
     way: str
@@ -119,7 +119,7 @@ def hats_in(fold: int, way: str, draw: int) -> Found:
     parts = []
     for number, (recording, boxes) in enumerate(scenes(fold, way, draw)):
         windows = HatsTracker(config_for(recording), RecognitionRegisters()).windows(recording.events)
-        windows.states["track_id"] += number << 32
+        windows.states["track_id"] += (draw << 48) + (number << 32)
         parts.append(label_windows(windows, boxes))
     return Found(fold, way, LabelledWindows.of(parts))
 
@@ -131,7 +131,7 @@ def found_in(fold: int, way: str, draw: int, registers: RecognitionRegisters, tr
         config = config_for(recording)
         tracker = TruthCentred(config, registers, boxes) if truth_centred else WindowTracker(config, registers)
         windows = joined([tracker.windows(block) for block in in_blocks(recording.events)])
-        windows.states["track_id"] += number << 32
+        windows.states["track_id"] += (draw << 48) + (number << 32)
         parts.append(label_windows(windows, boxes))
     return Found(fold, way, LabelledWindows.of(parts))
 
@@ -219,14 +219,17 @@ def hats_and_linear(windows: LabelledWindows, _seed: int) -> Callable[[NDArray[n
     return lambda features: -(np.sqrt(features) @ weights + offset).astype(np.float64)
 
 
-def validate(found: Sequence[Found], scored: Sequence[Found], folds: Sequence[int], learner: Learner, seed: int) -> Scores:
-    """Train on all folds but one, score that one; for each of `folds`."""
+def validate(
+    found: Sequence[Found], folds: Sequence[int], learner: Learner, seed: int, others: Sequence[Found] = ()
+) -> Scores:
+    """Train on all folds but one, score that one, all draws together; for each of `folds`. `others` are only scored."""
+    scored = (*found, *others)
     scores: Scores = {one.way: [] for one in scored}
     for fold in folds:
         loss = learner(LabelledWindows.of([one.windows for one in found if one.fold != fold]), seed)
-        for one in scored:
-            if one.fold == fold:
-                scores[one.way].append(score(loss(one.windows.images), np.arange(10), one.windows))
+        for way in scores:
+            own = LabelledWindows.of([one.windows for one in scored if (one.fold, one.way) == (fold, way)])
+            scores[way].append(score(loss(own.images), np.arange(10), own))
     return scores
 
 
@@ -273,19 +276,18 @@ def print_strangers(found: Sequence[Found], scores: Scores, seed: int) -> None:
 
 def print_still(folds: Sequence[int], draws: Sequence[int], seed: int) -> None:
     """Digits that stand, but for the camera's saccades, and digits that move apart: trained on one kind, scored on both."""
-    kinds = {
-        way: [found_in(fold, way, draw, RecognitionRegisters()) for draw in draws for fold in range(FOLDS)]
+    still, apart = (
+        [found_in(fold, way, draw, RecognitionRegisters()) for draw in draws for fold in range(FOLDS)]
         for way in ("still", "apart")
-    }
-    first = [one for kind in kinds.values() for one in kind[:FOLDS]]
-    for name, kind in kinds.items():
-        print_scores(f"trained on {name}", validate(kind, first, folds, int8, seed))
+    )
+    print_scores("trained on still", validate(still, folds, int8, seed, apart))
+    print_scores("trained on apart", validate(apart, folds, int8, seed, still))
 
 
 def print_hats(folds: Sequence[int], draws: Sequence[int], seed: int) -> None:
     """The baseline HATS."""
     found = [hats_in(fold, way, draw) for draw in draws for way in WAYS for fold in range(FOLDS)]
-    print_scores("HATS, linear", validate(found, found[: len(WAYS) * FOLDS], folds, hats_and_linear, seed))
+    print_scores("HATS, linear", validate(found, folds, hats_and_linear, seed))
 
 
 def print_speed() -> None:
@@ -311,20 +313,21 @@ def main() -> None:
     """Validation; what recentring and eight bits cost; a baseline; other objects."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--folds", type=int, nargs="+", default=list(range(FOLDS)))
-    parser.add_argument("--draws", type=int, nargs="+", default=[1, 2], help="seeds of the paths; the first is scored")
+    parser.add_argument("--draws", type=int, nargs="+", default=[1, 2], help="seeds of the paths")
     parser.add_argument("--seed", type=int, default=1, help="seed of the training")
     parser.add_argument("--still", action="store_true", help="only: still digits against moving ones")
     parser.add_argument("--hats", action="store_true", help="only: the baseline HATS")
     parser.add_argument("--all", action="store_true", help="also float, truth-centred, baseline, other objects (10 minutes)")
     options = parser.parse_args()
 
-    def found(truth_centred: bool) -> tuple[list[Found], list[Found]]:
+    def found(truth_centred: bool) -> list[Found]:
         registers = RecognitionRegisters()
-        per_draw = [
-            [found_in(fold, way, draw, registers, truth_centred) for way in WAYS for fold in range(FOLDS)]
+        return [
+            found_in(fold, way, draw, registers, truth_centred)
             for draw in options.draws
+            for way in WAYS
+            for fold in range(FOLDS)
         ]
-        return [one for of_draw in per_draw for one in of_draw], per_draw[0]
 
     if options.hats:
         print_hats(options.folds, options.draws, options.seed)
@@ -334,13 +337,13 @@ def main() -> None:
         return
     print_speed()
     windows = found(False)
-    scores = validate(*windows, options.folds, int8, options.seed)
+    scores = validate(windows, options.folds, int8, options.seed)
     print_scores("tracker", scores)
     if options.all:
-        print_strangers(windows[0], scores, options.seed)
-        print_scores("float", validate(*windows, options.folds, in_float, options.seed))
-        print_scores("PCA, neighbours", validate(*windows, options.folds, pca_and_neighbours, options.seed))
-        print_scores("truth-centred", validate(*found(True), options.folds, int8, options.seed))
+        print_strangers(windows, scores, options.seed)
+        print_scores("float", validate(windows, options.folds, in_float, options.seed))
+        print_scores("PCA, neighbours", validate(windows, options.folds, pca_and_neighbours, options.seed))
+        print_scores("truth-centred", validate(found(True), options.folds, int8, options.seed))
 
 
 if __name__ == "__main__":

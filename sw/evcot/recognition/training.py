@@ -38,7 +38,9 @@ WINDOWS_MIN = 50  # of a class
 _EPOCHS, _BATCH = 40, 256
 _RATE, _DECAY = 2e-3, 0.05  # of Adam, and decay of weights per step in units of the rate
 _DROP = 0.1  # share of cells left out in training
-_DISTORTION, _SHIFT = 0.1, 0.3  # standard deviations in training: of an affine change, and of a shift in cells
+_DISTORTIONS = 8  # of a batch: each changes a part of its images
+_AFFINE, _SHIFT = 0.1, 0.3  # standard deviations of a distortion: of its affine change, and of its shift in cells
+_BEND = 0.1  # and of its bend: how far an edge moves against the middle, in halves of an image
 INPUT_COUNTS = 4.0  # counts per unit of the network's input in training
 LOGITS_MAX = 6.0  # distance from the best class at which a loss is limited
 _OBJECT_CELLS = CELLS / 1.25  # side of a labelled object in the image of a track's first window
@@ -154,8 +156,8 @@ def fitted(
         order = random.permutation(n)
         for begin in range(0, n, _BATCH):
             rows = order[begin : begin + _BATCH]
-            some = inputs[rows] @ _distortion(random)
-            some = some * (random.random(some.shape, dtype=np.float32) > _DROP) / (1 - _DROP)
+            some = _distorted(inputs[rows], random)
+            some *= (random.random(some.shape, dtype=np.float32) > _DROP) * np.float32(1 / (1 - _DROP))
             before = some @ weights[0]
             hidden = np.maximum(before, 0)
             scores = hidden @ weights[1]
@@ -174,22 +176,30 @@ def fitted(
     return weights[0], weights[1]
 
 
-def _distortion(random: np.random.Generator) -> NDArray[np.float32]:
-    """A small random affine change of images, (CELLS^2, CELLS^2), to be multiplied with rows: bilinear interpolation."""
-    change = np.eye(2) + random.normal(0, _DISTORTION, (2, 2))
+def _distorted(images: NDArray[np.float32], random: np.random.Generator) -> NDArray[np.float32]:
+    """Images (n, CELLS^2) under as many distortions as a batch has, each for one part of them."""
+    parts = np.array_split(images, _DISTORTIONS)
+    return np.concatenate([part @ matrix for part, matrix in zip(parts, _distortions(random), strict=True)])
+
+
+def _distortions(random: np.random.Generator) -> NDArray[np.float32]:
+    """Small random changes of images, (_DISTORTIONS, CELLS^2, CELLS^2), to be multiplied with rows.
+
+    A cell takes its value from another place, by bilinear interpolation. The place is a random polynomial of second degree: an
+    affine change, a shift and a bend.
+    """
     middle = (CELLS - 1) / 2
-    grid = np.stack(np.meshgrid(np.arange(CELLS), np.arange(CELLS), indexing="ij")).reshape(2, -1)
-    place = change @ (grid - middle) + middle + random.normal(0, _SHIFT, (2, 1))
-    matrix = np.zeros((CELLS**2, CELLS**2), np.float32)
-    low = np.floor(place).astype(np.int64)
-    part = place - low
-    for down in (0, 1):
-        for right in (0, 1):
-            row, column = low[0] + down, low[1] + right
-            weight = np.abs(1 - down - part[0]) * np.abs(1 - right - part[1])
-            inside = (row >= 0) & (row < CELLS) & (column >= 0) & (column < CELLS)
-            matrix[(row * CELLS + column)[inside], np.flatnonzero(inside)] += weight[inside]
-    return matrix
+    v, u = cells = np.indices((CELLS, CELLS)).reshape(2, -1) / middle - 1
+    bends = np.stack((v * v, u * v, u * u))
+    bends -= bends.mean(axis=1, keepdims=True)
+    affine, bend, shift = (
+        random.normal(0, deviation, (_DISTORTIONS, 2, count)) for deviation, count in ((_AFFINE, 2), (_BEND, 3), (_SHIFT, 1))
+    )
+    place = middle * (1 + cells + affine @ cells + bend @ bends) + shift
+    # The share of each row, and of each column, in each place.
+    shares: NDArray[np.float32] = np.maximum(1 - np.abs(place[:, :, None] - np.arange(CELLS)[:, None]), 0).astype(np.float32)
+    of_rows, of_columns = shares[:, 0, :, None], shares[:, 1, None]
+    return np.reshape(of_rows * of_columns, (_DISTORTIONS, CELLS**2, CELLS**2))
 
 
 def _quantised(w1: NDArray[np.float32], w2: NDArray[np.float32], images: NDArray[np.uint8]) -> tuple[Network, int, int]:

@@ -12,6 +12,7 @@ import pytest
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.hardware.config import MotionConfig
+from evcot.recognition import training
 from evcot.recognition.contract import CELLS, RecognitionRegisters
 from evcot.recognition.tracker import ClassifyingTracker, TrackWindows
 from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, registers_for, train, windows_of
@@ -81,6 +82,36 @@ def test_the_same_seed_gives_the_same_weights() -> None:
     windows = labelled(range(4), REGISTERS)
     first, again, other = (train(windows, REGISTERS, "cot_motion", seed).checksum for seed in (1, 1, 2))
     assert first == again != other
+
+
+def deviations(monkeypatch: pytest.MonkeyPatch, affine: float, bend: float, shift: float) -> None:
+    for name, deviation in (("_AFFINE", affine), ("_BEND", bend), ("_SHIFT", shift)):
+        monkeypatch.setattr(training, name, deviation)
+
+
+def test_distortions_of_no_size_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    deviations(monkeypatch, 0, 0, 0)
+    images = np.random.default_rng(1).random((20, CELLS**2), np.float32)
+    assert np.allclose(training._distorted(images, np.random.default_rng(2)), images, atol=1e-5)
+
+
+def test_each_kind_of_distortion_changes_what_it_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    # An image whose value is the row: a shift adds the same to all cells, an affine change a multiple of the
+    # place, a bend a curve. Cells near the edge have neighbours beyond it.
+    rows = np.repeat(np.arange(CELLS, dtype=np.float32), CELLS)
+    inner = np.zeros((CELLS, CELLS), np.bool_)
+    inner[3:-3, 3:-3] = True
+    v, u = (axis[inner] - (CELLS - 1) / 2 for axis in np.indices((CELLS, CELLS)))
+    one = np.ones_like(v)
+    for affine, bend, shift, terms in ((0, 0, 0.3, [one]), (0.05, 0, 0, [v, u]), (0, 0.05, 0, [one, v * v, u * v, u * u])):
+        deviations(monkeypatch, affine, bend, shift)
+        distorted = training._distorted(np.tile(rows, (16, 1)), np.random.default_rng(3))
+        moved = (distorted - rows)[:, inner.ravel()]
+        fit, *_ = np.linalg.lstsq(np.stack(terms, axis=1), moved.T, rcond=None)
+        assert np.allclose(np.stack(terms, axis=1) @ fit, moved.T, atol=1e-4)
+        assert np.abs(moved).max(axis=1).min() > 0.01
+        assert np.allclose(moved[::2], moved[1::2])  # two images in each of eight parts
+        assert len(np.unique(moved[:, 0].round(5))) == 8
 
 
 def test_a_class_with_too_few_windows_is_refused() -> None:
