@@ -219,9 +219,7 @@ def hats_and_linear(windows: LabelledWindows, _seed: int) -> Callable[[NDArray[n
     return lambda features: -(np.sqrt(features) @ weights + offset).astype(np.float64)
 
 
-def validate(
-    found: Sequence[Found], folds: Sequence[int], learner: Learner, seed: int, others: Sequence[Found] = ()
-) -> Scores:
+def validate(found: Sequence[Found], folds: Sequence[int], learner: Learner, seed: int, others: Sequence[Found] = ()) -> Scores:
     """Train on all folds but one, score that one, all draws together; for each of `folds`. `others` are only scored."""
     scored = (*found, *others)
     scores: Scores = {one.way: [] for one in scored}

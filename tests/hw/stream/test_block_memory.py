@@ -20,7 +20,7 @@ from evcot_cosim.rtl.files import copy_rtl, rtl_files, verilog_dir
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
 
 # The cell as Lattice describes it, as far as the body uses it: A writes and B reads 2,048 words of 9 bits, 1,024 of 18, or 512
-# of 36. The lower half of the last ones leaves through A. With OUTREG a second register stands behind each half; RSTB clears it.
+# of 36. The lower half of the last ones leaves through A. With OUTREG a second register is behind each half; RSTB clears it.
 CELL = """
     parameter DATA_WIDTH_A = 0, DATA_WIDTH_B = 0, REGMODE_A = "", REGMODE_B = "", RESETMODE = "", ASYNC_RESET_RELEASE = "",
         CSDECODE_A = "", CSDECODE_B = "", WRITEMODE_A = "", WRITEMODE_B = "", CLKAMUX = "", CLKBMUX = "", GSR = "";
