@@ -59,7 +59,7 @@ module classifier_image #(
 
     // Of a slot's even or odd words, if one of them was written: bits 0 and 1 of `halves` say. Bits 2 and 3 are of words 16 and 17.
     (* no_rw_check *) reg [HALF-1:0] written [0:(2<<SLOT_W)-1];
-    (* no_rw_check, ram_style = "distributed" *) reg [3:0] halves [0:N-1];
+    (* no_rw_check *) reg [3:0]      halves  [0:N-1];
 
     wire [SLOT_W-1:0] slot_1       = address_1[ADDR_W-1:5];
     wire              is_odd_1     = address_1[0];

@@ -9,6 +9,7 @@
 // Throughput: per port, a row read or words written per clock.
 // Stall:      none.
 // Reset:      none.
+// RAM:        both ports write, which the block RAMs of an iCE40 cannot.
 // Combinational paths: none.
 `default_nettype none
 
@@ -38,7 +39,7 @@ module classifier_weights #(
     genvar b;
     generate
         for (b = 0; b < 4; b = b + 1) begin : g_bank
-            (* no_rw_check *) reg [17:0] memory [0:(1<<ROW_W)-1];
+            (* ram_style = "block", no_rw_check *) reg [17:0] memory [0:(1<<ROW_W)-1];
             reg [17:0] a_ram, a_out, b_ram, b_out;
 
             always @(posedge clk) begin
