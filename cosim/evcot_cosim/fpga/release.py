@@ -46,6 +46,7 @@ LIMITS: Mapping[str, tuple[int, int]] = {
     "SOURCES": (1, (1 << len(register_map().sources)) - 1),
     "FIFO_DEPTH": (1, 16_384),
     "RECORD_DEPTH": (1, 16_384),
+    "CLASSIFY": (0, 1),
 }
 """Smallest and largest value of a parameter, by name."""
 

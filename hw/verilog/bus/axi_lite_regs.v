@@ -7,8 +7,9 @@
 // before busy is de-asserted; between two of them an access that waits is served.
 //
 // With motion there are two more banks, for the whole array, and of a slot's registers `mode` alone. The registers that must not
-// contradict each other are compared when their bank is to be committed, and the commit is refused if they do. With CLASSIFY there is one
-// more bank, for the classifier; a commit that enables it is refused until its weights are loaded.
+// contradict each other are compared when their bank is to be committed, and the commit is refused if they do.
+//
+// With CLASSIFY there is one more bank, for the classifier. A commit that enables it is refused until its weights are loaded.
 //
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write, 17 of a commit of motion, which compares
 //             registers. A bank that is being copied adds EVCOT_BANK_LAST + 4 at most: 36, 38 and 46. An access that arrives together
@@ -397,8 +398,8 @@ module axi_lite_regs #(
 
     // ---- limits and first values, in a ROM with the timing of the shadow ---------------------------------------------
 
-    // With motion, a slot has no other word than `mode` and its commit. The words between are those of the classifier, whose first values a slot's
-    // `mode` has for a while in FILL, until the last word of its bank.
+    // With motion, a slot has no other word than `mode` and its commit. The words between are those of the classifier. Their first values
+    // pass through a slot's `mode` in FILL, before that of the last word of the bank.
     localparam [1:0] SLOT_KIND = 2'd3;
     localparam ENTRY_W = 2 + LOW_W + 32;
 
@@ -415,7 +416,8 @@ module axi_lite_regs #(
                     entry = {slot_has(register), slot_refuses(register), low_bits(slot_low(register)), slot_high(register)};
                     if (is_first) entry[31:0] = slot_low((MOTION != 0) ? `EVCOT_REG_MODE : register);
                     if (CLASSIFY != 0 && register != `EVCOT_REG_MODE && register != `EVCOT_BANK_COMMIT) begin
-                        entry = {classifier_has(register), classifier_refuses(register), low_bits(classifier_low(register)), classifier_high(register)};
+                        entry = {classifier_has(register), classifier_refuses(register), low_bits(classifier_low(register)),
+                                 classifier_high(register)};
                         if (is_first) entry[31:0] = classifier_start(register);
                     end
                 end
@@ -752,7 +754,8 @@ module axi_lite_regs #(
         .backward            (backward)
     );
 
-    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, CLASSES_BASE, BOXES, LIVES, CLASSES, compared, came, in_slots, behind};
+    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, CLASSES_BASE, BOXES, LIVES, CLASSES, compared, came,
+                     in_slots, behind};
 
 endmodule
 

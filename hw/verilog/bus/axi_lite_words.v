@@ -5,8 +5,8 @@
 // Two clocks after `word` (an address without its two low bits) `known`, `writable`, `value` and `keeps` are valid. With `keeps`, a
 // write of single bytes must preserve the others of the value, else they are 0. A clock after `data`, `refused` is valid, and
 // `clamped`, which is high if a field was out of range. `write` may be asserted from then on, with word and data unchanged: data takes
-// effect at the next clock, unless refused. A pulse lasts one clock. A value that other hardware holds leaves as <name>_new with <name>_write, unless
-// <name>_ready is low: then the write is refused.
+// effect at the next clock, unless refused. A pulse lasts one clock.
+// A value that other hardware holds leaves as <name>_new with <name>_write, unless <name>_ready is low: then the write is refused.
 //
 // Latency:    2 clocks from word to value, 1 from data to refused and clamped, 1 from write to its field.
 // Throughput: an access at a time.

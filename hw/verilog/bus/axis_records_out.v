@@ -6,8 +6,8 @@
 // padded with zeros, signed ones with their sign. What a record does not have is not read. Records enter the queue, which is for
 // block RAM, beat by beat while they wait at s_cm_.
 //
-// With CLASSIFY, verdicts of the classifier are records of their own kind, EVCOT_VERDICT_RECORD_*. A verdict that waits comes before a record
-// that waits, but not into one.
+// With CLASSIFY, verdicts of the classifier are records of their own kind, EVCOT_VERDICT_RECORD_*. A verdict that waits enters before a
+// record that waits, but not within one.
 //
 // Packets: tlast ends every `packet_records`-th record. If `packet_wait` is not 0, tlast also ends the first record that leaves when
 // packet_wait x 256 clocks have passed since the packet's first record. For this, the last beat of a record waits until the next

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legal values of the registers of a slot, of the filters, of motion and of the classifier, for a module with the parameters that give their widths.
+// Legal values of the registers of a slot, of the filters, of motion and of the classifier, for a module with the parameters that give
+// their widths, and CLASSIFY.
 // Generated from sw/evcot/hardware/contract.py and registers.toml by `python -m evcot.hardware.generate`: edit there.
 
 localparam LOW_W = (CLASSIFY != 0) ? 5 : 1;  // bits of every lowest legal value

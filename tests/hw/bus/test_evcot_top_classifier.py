@@ -34,6 +34,7 @@ from evcot_cosim.devices.top_device import (
     bank_address,
     classifier_weights,
     classifier_writes,
+    poll,
     poll_status,
     read,
     slot_address,
@@ -197,6 +198,32 @@ def test_registers_and_weights_change_between_two_events(seed: int) -> None:
     decided, verdicts = golden(CONFIG, traffic, settings)
     assert_same(played, decided, verdicts)
     assert len(verdicts) > 10
+
+
+def test_a_commit_waits_for_the_windows_that_are_closed() -> None:
+    """Right behind the event that closes a window, which takes more than 700 clocks to evaluate."""
+    rng = np.random.default_rng(41)
+    device = device_of("classifier", CONFIG)
+    registers = replace(random_registers(rng), window_log2=8)
+    network = random_network(rng, registers.classes)
+    settings = [started(device, registers, network)]
+    traffic = traffic_of(7)
+    words, parts = words_of(traffic), []
+    for _ in range(5):
+        decided, verdicts = golden(CONFIG, traffic, settings)
+        end = int(verdicts["seq"][verdicts["seq"] >= settings[-1].seq][0]) + 1
+        registers = replace(random_registers(rng), window_log2=8, classes=registers.classes)
+        writes = classifier_writes(asdict(registers))
+        device.run(commands=writes[:-1])  # into the shadow
+        begin = settings[-1].seq
+        taken = poll(address_of("status"), 0xFFFF_0000, 0, end - begin)  # no token is held before the trackers
+        parts.append(device.run(words[begin:end], [taken, writes[-1], SETTLED]))
+        settings.append(Setting(device.read(COMMIT), registers, network))
+        assert settings[-1].seq == end
+    parts.append(device.run(words[end:], quiet_clocks=100_000))
+    decided, verdicts = golden(CONFIG, traffic, settings)
+    assert np.concatenate([part.verdicts for part in parts]).tolist() == verdicts.tolist()
+    assert np.array_equal(np.concatenate([part.records for part in parts]), decided.records)
 
 
 def test_a_commit_of_other_banks_leaves_windows_and_votes() -> None:

@@ -313,7 +313,7 @@ module motion_events #(
         d_event    <= event_6;
         d_owned    <= takes || seeds_6;
         d_slot     <= slot_6;
-        d_visible  <= visible_6 && !seeds_6;
+        d_visible  <= visible_6;
         d_rel_x    <= seeds_6 ? {REL_W{1'b0}} : rel_x;
         d_rel_y    <= seeds_6 ? {REL_W{1'b0}} : rel_y;
         {d_x, d_y, d_p} <= token_6[X_W+Y_W:0];
