@@ -88,6 +88,7 @@ always @* if (f_past) begin
     p_look_ends:       assert (!(f_job && !f_seeds && f_looks && f_clocks == 8'd179));
     p_at_rest:         assert (!rests || (!load && !op_clear));
     i_rests:           assert (rests == (state == REST) && (!rests || pause == 7'd0));
+    i_reads:           assert (!reads || state == LOAD);
     c_seed_ends:       cover (f_job && done && f_seeds && f_clocks == 8'd31);
     c_correction_ends: cover (f_job && done && !f_seeds && !f_looks && f_clocks == 8'd40);
     c_look_ends:       cover (f_job && done && f_looks && f_clocks == 8'd178);

@@ -488,7 +488,7 @@ module evcot_top #(
 
     generate
         if (CLASSIFY != 0) begin : g_classifier
-            classifier_regs #(
+            classifier_bus #(
                 .N      (N),
                 .RADIX_W(RADIX_W),
                 .ID_W   (ID_W),

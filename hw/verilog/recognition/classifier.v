@@ -88,7 +88,7 @@ module classifier #(
     assign weight_ready = !enable;
     assign s_ready      = 1'b1;
 
-    classifier_registers u_registers (
+    classifier_regs u_regs (
         .clk        (clk),
         .rst        (rst),
         .write      (restart),
