@@ -37,6 +37,7 @@ class Module:
         usual: those of `sizes` that are measured by default.
         answer: the output to which its latency is counted; None if it has no such output.
         asks_mhz: the Fmax that it must reach wherever it is routed, by its own constraint; None if it has none.
+        without: devices without the block RAM that it needs.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Module:
     usual: tuple[int, ...] = ()
     answer: Answer | None = None
     asks_mhz: float | None = None
+    without: tuple[str, ...] = ()
 
     @property
     def shown(self) -> int | None:
@@ -91,7 +93,7 @@ _TABLE = (
     Module("cot_array", "cot_array", _TICK, _SIZES, (8, 32), "record"),
     Module("cot_array_narrow", "cot_array", _NARROW, (8,), (8,), "record"),
     Module("cot_motion", "cot_motion", _TICK, _SIZES, (8,)),
-    Module("classifier", "classifier", {}, (4, 8, 16), (8,)),
+    Module("classifier", "classifier", {}, (4, 8, 16), (8,), without=("up5k", "hx8k")),  # a RAM that both ports write
     Module("cot_published_chain", "cot_published_chain", answer="centre"),
     Module("filter_region", "filter_region", _SMALL, answer="token"),
     Module("filter_polarity", "filter_polarity", _SMALL, answer="token"),

@@ -83,7 +83,13 @@ def _cases(options: argparse.Namespace) -> list[Case]:
             return (None,)
         return options.n or (module.sizes if options.all else module.usual)
 
-    return [Case(module, n, DEVICES[name]) for module in chosen(options.modules) for n in sizes(module) for name in devices]
+    return [
+        Case(module, n, DEVICES[name])
+        for module in chosen(options.modules)
+        for n in sizes(module)
+        for name in devices
+        if options.device or name not in module.without
+    ]
 
 
 def _measure(options: argparse.Namespace) -> int:

