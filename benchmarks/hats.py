@@ -15,8 +15,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from evcot.events import Events
+from evcot.hardware.classifier import RecognitionRegisters
 from evcot.hardware.config import MotionConfig
-from evcot.recognition.contract import RecognitionRegisters
 from evcot.recognition.model import OwnedEvents
 from evcot.recognition.tracker import TrackWindows, WindowTracker
 from evcot.tracks.record import TRACK

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 import evcot
 from evcot.events import Events, Recording
+from evcot.hardware.classifier import CELLS, HIDDEN, HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.golden import GoldenTracker
 from evcot.hardware.model import Decisions
 from evcot.metrics.truth import GroundTruth
-from evcot.recognition.contract import CELLS, HIDDEN, HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
 from evcot.recognition.model import Classifier, Network, OwnedEvents
 from evcot.recognition.tracker import TrackWindows, WindowTracker, joined
 from evcot.recognition.training import (

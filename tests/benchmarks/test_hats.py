@@ -8,8 +8,8 @@ from math import exp
 import numpy as np
 
 from evcot.events import Events
+from evcot.hardware.classifier import RecognitionRegisters
 from evcot.hardware.config import MotionConfig
-from evcot.recognition.contract import RecognitionRegisters
 from evcot.recognition.tracker import WindowTracker
 from hats import CELL_PX, CELLS, DECAY_US, FEATURES, REACH, SPAN_US, HatsTracker, hats, linear
 

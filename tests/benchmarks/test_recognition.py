@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import recognition
-from evcot.recognition.contract import CELLS, HIDDEN, RecognitionRegisters
+from evcot.hardware.classifier import CELLS, HIDDEN, RecognitionRegisters
 from evcot.recognition.model import Network
 from evcot.recognition.training import LabelledWindows
 from evcot.recognition.weights import Weights

@@ -17,11 +17,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from evcot.hardware.classifier import RecognitionRegisters
 from evcot.hardware.contract import Mode
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import Transport, register_map
 from evcot.hardware.streams import pack_events
-from evcot.recognition.contract import RecognitionRegisters
 from evcot.recognition.loading import load as load_weights
 from evcot.recognition.weight_memory import memory_words
 from evcot.recognition.weights import Weights

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from evcot.hardware.classifier import CELLS, CLASSES_MAX, HIDDEN, RecognitionRegisters
 from evcot.ranges import ranges_of
-from evcot.recognition.contract import CELLS, CLASSES_MAX, HIDDEN, RecognitionRegisters
 from evcot.recognition.model import Classifier, Network
 from evcot.recognition.model import OwnedEvents as ModelEvents
 from evcot.recognition.weight_memory import REGISTER_ADDRESSES, memory_words

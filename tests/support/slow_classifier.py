@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from evcot.recognition.contract import RecognitionRegisters
+from evcot.hardware.classifier import RecognitionRegisters
 from evcot.recognition.model import Network
 
 __all__ = ["OwnedEvent", "SlowClassifier"]

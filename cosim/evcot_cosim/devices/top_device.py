@@ -16,13 +16,13 @@ from pyverilator import PyVerilator
 
 from evcot.errors import ConfigError
 from evcot.filters.contract import FILTER_SHAPE_RANGES, mask_word
+from evcot.hardware.classifier import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD
 from evcot.hardware.config import CotConfig, MotionConfig
 from evcot.hardware.contract import RECORD, REGISTERS
 from evcot.hardware.model import Decisions
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RECORD
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
-from evcot.recognition.contract import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD
 from evcot.recognition.model import Network
 from evcot.recognition.weight_memory import memory_words
 from evcot.tracks.log import DROPPED

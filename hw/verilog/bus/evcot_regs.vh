@@ -71,7 +71,7 @@
 `define EVCOT_PASSED_SEQ_LSB 35
 `define EVCOT_PASSED_SEQ_W 29
 
-// A record: contract.RECORD, of cot_motion motion.contract.MOTION_RECORD, and of a verdict recognition.contract.VERDICT_RECORD.
+// A record: contract.RECORD, of cot_motion motion.contract.MOTION_RECORD, and of a verdict classifier.VERDICT_RECORD.
 `define EVCOT_VERDICT_KIND 3'd4
 `define EVCOT_RECORD_W 384
 `define EVCOT_RECORD_SEQ_LSB 0

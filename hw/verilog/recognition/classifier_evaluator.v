@@ -98,8 +98,8 @@ module classifier_evaluator #(
 
     wire behind    = fitting && word_reg[4] && |word_reg[2:1];  // the words
     wire fit_ends  = fitting && word_reg == FIELD_READ;
-    wire unit_ends = fit_ends || (hidden || scoring) && word_reg == WORD_LAST;
     wire hidden    = running && !fitting && !scoring && !voting && !comparing;
+    wire unit_ends = fit_ends || (hidden || scoring) && word_reg == WORD_LAST;
     wire to_vote   = unit_ends && (scoring || (s_young && unit == FIT_LAST));
     wire to_score  = unit_ends && hidden && unit == OUTPUT_LAST;
 

@@ -32,10 +32,17 @@ from ..filters.contract import (
 from ..filters.decay import weights
 from ..hough.contract import COSINES, STAMP_W
 from ..outputs import written_aside
-from ..recognition.contract import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD, VERDICT_RECORD_MEANINGS, VERSION
-from ..recognition.weight_memory import BANKS, ROWS
 from ..templating import templates
 from ..tracks.log import Kind
+from .classifier import (
+    CLASSIFIER_REGISTERS,
+    VERDICT_KIND,
+    VERDICT_RECORD,
+    VERDICT_RECORD_MEANINGS,
+    VERSION,
+    WEIGHT_BANKS,
+    WEIGHT_ROWS,
+)
 from .contract import HIST_AVG_STILL, ORDERED, RECORD, RECORD_MEANINGS, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
 from .motion.contract import MOTION_BANKS, MOTION_RECORD, MOTION_RECORD_MEANINGS, MOTION_RULES, MotionRegister, Rule
@@ -207,7 +214,7 @@ def _vocabulary() -> dict[str, Any]:
         "what_of": _WHAT_OF,
         "classifier_registers": CLASSIFIER_REGISTERS,
         "classifier_version": VERSION,
-        "weight_words": ROWS * BANKS,
+        "weight_words": WEIGHT_ROWS * WEIGHT_BANKS,
         "verdict_kind": VERDICT_KIND,
         "motion_rules": _rules(),
         "tracker_motion": register_of.trackers.index("motion"),

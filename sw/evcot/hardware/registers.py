@@ -21,7 +21,7 @@ from typing import Any, Protocol, overload
 from ..errors import ConfigError
 from ..filters.contract import FILTER_REGISTERS, FilterRegister, FilterShape
 from ..ranges import check_integer
-from ..recognition.contract import CLASSIFIER_REGISTERS
+from .classifier import CLASSIFIER_REGISTERS
 from .contract import REGISTERS, SLOTS_MAX, Register, Shape
 from .motion.contract import MOTION_BANKS, MotionRegister
 

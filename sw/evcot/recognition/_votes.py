@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._numba_private import njit
-from .contract import HIDDEN_MAX, LOSS_MAX, NONE, VOTED_MAX
+from ..hardware.classifier import HIDDEN_MAX, LOSS_MAX, NONE, VOTED_MAX
 
 __all__ = ["judge"]
 

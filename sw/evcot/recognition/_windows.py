@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._numba_private import njit, step
-from .contract import CELLS, COUNT_MAX, SERVICE_EVENTS
+from ..hardware.classifier import CELLS, COUNT_MAX, SERVICE_EVENTS
 
 __all__ = ["BUSY", "FIELD_COUNT", "FRESH", "GLOBAL_COUNT", "STAGE", "fill"]
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ..errors import ConfigError
+from ..hardware.classifier import VERSION
 from ..hardware.register_access import Registers
-from .contract import VERSION
 from .weight_memory import memory_words
 from .weights import Weights
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
+from ..hardware.classifier import CELLS, CLASSES_MAX, HIDDEN, RAW_VERDICT, RecognitionRegisters
 from ._votes import judge
 from ._windows import FIELD_COUNT, FRESH, GLOBAL_COUNT, fill
-from .contract import CELLS, CLASSES_MAX, HIDDEN, RAW_VERDICT, RecognitionRegisters
 
 __all__ = ["Classifier", "Network", "OwnedEvents", "Windows"]
 

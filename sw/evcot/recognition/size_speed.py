@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .contract import LOSS_MAX, MOTION_INPUTS
+from ..hardware.classifier import LOSS_MAX, MOTION_INPUTS
 
 __all__ = ["SPEED_FLOOR_PX_S", "class_indices", "inputs_of"]
 

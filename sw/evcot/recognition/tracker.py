@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ..events import Events
 from ..filters.config import FilterConfig
+from ..hardware.classifier import CELLS, NONE, RecognitionRegisters
 from ..hardware.config import CotConfig, MotionConfig
 from ..hardware.golden import GoldenTracker
 from ..hardware.model import Decisions
@@ -20,7 +21,6 @@ from ..trackers.config import RunConfig
 from ..trackers.presets import fit
 from ..tracks.record import TRACK, VERDICT, last_until, no_verdicts
 from ..tracks.tracking import TrackerOutput
-from .contract import CELLS, NONE, RecognitionRegisters
 from .model import Classifier, OwnedEvents, Windows
 from .size_speed import class_indices
 from .weights import Weights

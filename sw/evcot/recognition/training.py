@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Events
+from ..hardware.classifier import CELLS, CLASSES_MAX, HIDDEN, HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
 from ..hardware.config import MotionConfig
 from ..ranges import check_integer
 from ..tracks.formats.base import Boxes
-from .contract import CELLS, CLASSES_MAX, HIDDEN, HIDDEN_MAX, LOSS_MAX, RecognitionRegisters
 from .model import Network
 from .tracker import TrackWindows, WindowTracker, joined
 from .weights import Weights

@@ -8,18 +8,17 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from .contract import CELLS, HIDDEN, RecognitionRegisters
+from ..hardware.classifier import CELLS, WEIGHT_BANKS, WEIGHT_ROWS, RecognitionRegisters
 from .model import Network
 
 __all__ = ["BANKS", "BANK_BITS", "REGISTER_ADDRESSES", "ROWS", "memory_words"]
 
-BANKS = 4  # words of a row
+BANKS, ROWS = WEIGHT_BANKS, WEIGHT_ROWS
 BANK_BITS = 18
 _LANES = 8  # weights of a row, for as many cells
 _WORDS = CELLS**2 // _LANES  # rows of a unit
 _MOMENTS = 5
 _NINTH_FIRST = 8  # row, of those of the next unit, with a unit's first weight of the second layer
-ROWS = (_MOMENTS + HIDDEN) * _WORDS + _NINTH_FIRST + 10
 
 REGISTER_ADDRESSES = {name: at for at, name in enumerate(("enable", *(each.name for each in fields(RecognitionRegisters))))}
 

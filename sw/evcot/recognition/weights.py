@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError, reason_of
+from ..hardware.classifier import MOTION_INPUTS, VERSION, RecognitionRegisters
 from ..outputs import note_input, written_aside
 from ..tracks.record import ClassNames, check_class_name
-from .contract import MOTION_INPUTS, VERSION, RecognitionRegisters
 from .model import Network
 
 __all__ = ["Weights"]

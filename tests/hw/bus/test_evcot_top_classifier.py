@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
+from evcot.hardware.classifier import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD, RecognitionRegisters
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.model import Decisions
 from evcot.hardware.motion.contract import MotionRegisters
@@ -18,7 +19,6 @@ from evcot.hardware.motion.model import MotionModel
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import pack_events
-from evcot.recognition.contract import CLASSIFIER_REGISTERS, VERDICT_KIND, VERDICT_RECORD, RecognitionRegisters
 from evcot.recognition.loading import load
 from evcot.recognition.model import Classifier, Network, OwnedEvents
 from evcot.recognition.weight_memory import memory_words

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from evcot.recognition.contract import CELLS, CLASSES_MAX, HIDDEN, SERVICE_EVENTS, RecognitionRegisters
+from evcot.hardware.classifier import CELLS, CLASSES_MAX, HIDDEN, SERVICE_EVENTS, RecognitionRegisters
 from evcot.recognition.model import Network
 from evcot.recognition.weight_memory import BANKS, ROWS, memory_words
 from evcot_cosim.devices.base import Pattern

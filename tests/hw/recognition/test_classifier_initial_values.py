@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.recognition.contract import SERVICE_EVENTS, RecognitionRegisters
+from evcot.hardware.classifier import SERVICE_EVENTS, RecognitionRegisters
 from evcot.recognition.weight_memory import REGISTER_ADDRESSES, memory_words
 from support.classifier_trials import VERDICT_FIELDS, candidate, joined, model_verdicts, object_events, random_network
 from support.four_state import needs_icarus, replay

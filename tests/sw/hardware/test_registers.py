@@ -12,11 +12,11 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot.filters.contract import FILTER_REGISTERS, FilterShape
+from evcot.hardware.classifier import CLASSIFIER_REGISTERS
 from evcot.hardware.contract import RECORD, REGISTERS, Register, Shape
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RANGES, MOTION_RULES
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import Access, map_of, motion_addresses, register_map
-from evcot.recognition.contract import CLASSIFIER_REGISTERS
 from support.refusals import refused
 
 BANKS = {"slot": REGISTERS, "filter": FILTER_REGISTERS, **MOTION_BANKS, "classifier": CLASSIFIER_REGISTERS}

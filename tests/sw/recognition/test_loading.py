@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
+from evcot.hardware.classifier import CELLS, CLASSIFIER_REGISTERS, HIDDEN, VERSION, RecognitionRegisters
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import register_map
-from evcot.recognition.contract import CELLS, CLASSIFIER_REGISTERS, HIDDEN, VERSION, RecognitionRegisters
 from evcot.recognition.loading import load
 from evcot.recognition.model import Network
 from evcot.recognition.weight_memory import BANKS, ROWS, memory_words

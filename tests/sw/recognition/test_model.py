@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
+from evcot.hardware.classifier import CELLS, HIDDEN, RecognitionRegisters
 from evcot.recognition import model
-from evcot.recognition.contract import CELLS, HIDDEN, RecognitionRegisters
 from evcot.recognition.model import Classifier, Network, OwnedEvents, Windows
 from support.slow_classifier import OwnedEvent, SlowClassifier
 

@@ -11,9 +11,9 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot.events import Events
+from evcot.hardware.classifier import CELLS, RecognitionRegisters
 from evcot.hardware.config import MotionConfig
 from evcot.recognition import training
-from evcot.recognition.contract import CELLS, RecognitionRegisters
 from evcot.recognition.tracker import ClassifyingTracker, TrackWindows
 from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, registers_for, train, windows_of
 from evcot.tracks.formats.base import BOX, Boxes

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError, OutputError
-from evcot.recognition.contract import CELLS, HIDDEN, RecognitionRegisters
+from evcot.hardware.classifier import CELLS, HIDDEN, RecognitionRegisters
 from evcot.recognition.model import Network
 from evcot.recognition.weights import Weights
 

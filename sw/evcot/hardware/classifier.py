@@ -9,8 +9,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..hardware.motion.contract import MOTION_RECORD, MotionRegister
 from ..ranges import check_ranges, ranges_of, setting
+from .motion.contract import MOTION_RECORD, MotionRegister
 
 __all__ = [
     "CELLS",
@@ -29,6 +29,8 @@ __all__ = [
     "VERDICT_RECORD_MEANINGS",
     "VERSION",
     "VOTED_MAX",
+    "WEIGHT_BANKS",
+    "WEIGHT_ROWS",
     "RecognitionRegisters",
 ]
 
@@ -42,6 +44,10 @@ LOSS_MAX = 255  # of a class in one window
 VOTED_MAX = 128  # windows in a vote; then votes and their number are halved
 NONE = 15  # class of a verdict with too small a margin
 MOTION_INPUTS = 4  # of rule S2 besides those of the classes: width, height, speed, 1
+WEIGHT_BANKS = 4  # words of a row of weights
+WEIGHT_ROWS = (
+    (5 + HIDDEN) * CELLS**2 // 8 + 8 + CLASSES_MAX
+)  # of five moments and the hidden units, then of the last one's outputs
 SERVICE_EVENTS = 768  # owned events, of all slots, after which a window counts as evaluated
 
 
