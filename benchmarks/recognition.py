@@ -16,6 +16,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -42,13 +43,15 @@ from evcot.recognition.training import (
 from evcot.recognition.weights import Weights
 from evcot.trackers.presets import MOTION, fit
 from evcot.tracks.formats.base import BOX, Boxes
-from field.digits import digit_labels, digits
+from field.digits import FILE, digit_labels, digits
 from field.transforms import poisson_noise
 from hats import HatsTracker, linear
+from measure import Goal, Result, Skip
 
 WAYS = "apart", "crossing"
 FOLDS, AT_ONCE = 8, 4
 LONG = 10  # windows of a track
+EVENTS_PER_S, TRACKS = 20e6, {"apart": 0.94, "crossing": 0.91}  # goals
 
 
 class Found(NamedTuple):
@@ -288,8 +291,8 @@ def print_hats(folds: Sequence[int], draws: Sequence[int], seed: int) -> None:
     print_scores("HATS, linear", validate(found, folds, hats_and_linear, seed))
 
 
-def print_speed() -> None:
-    """Owned events per second of the golden model, without the tracker in front."""
+def owned_events_per_s() -> float:
+    """Rate of the golden model, without the tracker in front: the best of five."""
     recording, _ = next(scenes(0, "apart", 1))
     config = config_for(recording)
     decided = GoldenTracker(config).decide(recording.events)[1]
@@ -304,7 +307,20 @@ def print_speed() -> None:
         begin_s = time.perf_counter()
         classifier.feed(events)
         taken_s.append(time.perf_counter() - begin_s)
-    print(f"golden model: {len(events.owner) / min(taken_s) / 1e6:.0f} M owned events/s", flush=True)
+    return len(events.owner) / min(taken_s)
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """Rate of the golden model, and tracks with the right class (validation); quick: one fold, one draw."""
+    if not FILE.exists():
+        raise Skip(f"{FILE.name} is missing")
+    rate = owned_events_per_s()
+    yield Result("recognition_model", rate, "owned events/s", EVENTS_PER_S, "goal", goal=Goal(1))
+    draws, folds = ((1,), [0]) if quick else ((1, 2), list(range(FOLDS)))
+    found = [found_in(fold, way, draw, RecognitionRegisters()) for draw in draws for way in WAYS for fold in range(FOLDS)]
+    for way, scores in validate(found, folds, int8, 1).items():
+        share = float(np.mean([one.tracks for one in scores]))
+        yield Result(f"recognition_{way}", share, "of tracks", TRACKS[way], "goal", goal=Goal(1), how="validation")
 
 
 def main() -> None:
@@ -333,7 +349,7 @@ def main() -> None:
     if options.still:
         print_still(options.folds, options.draws, options.seed)
         return
-    print_speed()
+    print(f"golden model: {owned_events_per_s() / 1e6:.0f} M owned events/s", flush=True)
     windows = found(False)
     scores = validate(windows, options.folds, int8, options.seed)
     print_scores("tracker", scores)

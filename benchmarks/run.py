@@ -39,6 +39,7 @@ _BENCHMARKS = (
     "adaptive",
     "anomalies",
     "lines",
+    "recognition",
     "quality",
     "live",
     "sweep",

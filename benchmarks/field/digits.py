@@ -25,10 +25,10 @@ from field.paths import Bouncing
 from field.transforms import merged, poisson_noise
 from shared import SHARED
 
-__all__ = ["SOURCE", "digit_labels", "digits", "entries"]
+__all__ = ["FILE", "SOURCE", "digit_labels", "digits", "entries"]
 
 SOURCE = "N-MNIST"
-_FILE = "nmnist_800.npz"
+FILE = SHARED / "nmnist_800.npz"
 _SENSOR = 346, 260
 _EXTENT = 2, 98  # percentiles
 _BIN_US, _BINS = 10_000, 30  # the last bin takes the few events after 0.3 s as well
@@ -84,10 +84,9 @@ def digits(ways: str, count: int, seed: tuple[int, ...], numbers: Sequence[int] 
 
 @lru_cache(maxsize=1)
 def _samples() -> dict[str, NDArray[Any]]:
-    path = SHARED / _FILE
-    if not path.is_file():
-        raise Absent(f"{_FILE} is not in {SHARED}")
-    with np.load(path) as samples:
+    if not FILE.is_file():
+        raise Absent(f"{FILE.name} is not in {SHARED}")
+    with np.load(FILE) as samples:
         return dict(samples)
 
 
