@@ -20,7 +20,6 @@ __all__ = [
     "HIDDEN",
     "HIDDEN_MAX",
     "LOSS_MAX",
-    "MOTION_INPUTS",
     "NONE",
     "RAW_VERDICT",
     "SERVICE_EVENTS",
@@ -43,11 +42,9 @@ CLASSES_MAX = 10
 LOSS_MAX = 255  # of a class in one window
 VOTED_MAX = 128  # windows in a vote; then votes and their number are halved
 NONE = 15  # class of a verdict with too small a margin
-MOTION_INPUTS = 4  # of rule S2 besides those of the classes: width, height, speed, 1
 WEIGHT_BANKS = 4  # words of a row of weights
-WEIGHT_ROWS = (
-    (5 + HIDDEN) * CELLS**2 // 8 + 8 + CLASSES_MAX
-)  # of five moments and the hidden units, then of the last one's outputs
+# Of five moments and the hidden units, with eight cells in a row; then those with the last unit's weights of the second layer.
+WEIGHT_ROWS = (5 + HIDDEN) * CELLS**2 // 8 + 8 + CLASSES_MAX
 SERVICE_EVENTS = 768  # owned events, of all slots, after which a window counts as evaluated
 
 

@@ -6,10 +6,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..hardware.classifier import LOSS_MAX, MOTION_INPUTS
+from ..hardware.classifier import LOSS_MAX
 
-__all__ = ["SPEED_FLOOR_PX_S", "class_indices", "inputs_of"]
+__all__ = ["MOTION_INPUTS", "SPEED_FLOOR_PX_S", "class_indices", "inputs_of"]
 
+MOTION_INPUTS = 4  # of rule S2 besides those of the classes: width, height, speed, 1
 SPEED_FLOOR_PX_S = 20.0  # added to a speed before its logarithm: slower objects stand still (tuned on the validation set)
 
 

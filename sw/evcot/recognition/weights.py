@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError, reason_of
-from ..hardware.classifier import MOTION_INPUTS, VERSION, RecognitionRegisters
+from ..hardware.classifier import VERSION, RecognitionRegisters
 from ..outputs import note_input, written_aside
 from ..tracks.record import ClassNames, check_class_name
 from .model import Network
+from .size_speed import MOTION_INPUTS
 
 __all__ = ["Weights"]
 

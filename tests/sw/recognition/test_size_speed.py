@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
-from evcot.hardware.classifier import CELLS, HIDDEN, MOTION_INPUTS, NONE, RAW_VERDICT, RecognitionRegisters
+from evcot.hardware.classifier import CELLS, HIDDEN, NONE, RAW_VERDICT, RecognitionRegisters
 from evcot.recognition.model import Network
-from evcot.recognition.size_speed import class_indices, inputs_of
+from evcot.recognition.size_speed import MOTION_INPUTS, class_indices, inputs_of
 from evcot.recognition.size_speed_training import fitted_size_speed, verdicts_of
 from evcot.recognition.training import UNLABELLED, LabelledWindows
 from evcot.recognition.weights import Weights
