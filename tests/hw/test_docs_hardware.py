@@ -82,7 +82,7 @@ def test_the_block_diagram_names_modules_that_are_there() -> None:
     drawing = ElementTree.parse(DOCS / "images" / "evcot_top.svg")
     boxes = [node.text or "" for node in drawing.iter("{http://www.w3.org/2000/svg}text")]
     modules = [text for text in boxes if f"{text}.v" in rtl_files()]
-    assert len(modules) == len(set(modules)) == 14
+    assert len(modules) == len(set(modules)) == 15
     text = "".join(rtl_files()[f"{top}.v"].read_text() for top in ("evcot_top", "event_sources", "cot_filtered"))
     for module in modules:
         assert re.search(rf"^\s*(?:module )?{module} #\(", text, re.MULTILINE), module
