@@ -47,6 +47,7 @@ from field.digits import FILE, digit_labels, digits
 from field.transforms import poisson_noise
 from hats import HatsTracker, linear
 from measure import Goal, Result, Skip
+from shared import SHARED
 
 WAYS = "apart", "crossing"
 FOLDS, AT_ONCE = 8, 4
@@ -312,8 +313,8 @@ def owned_events_per_s() -> float:
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
     """Rate of the golden model, and tracks with the right class (validation); quick: one fold, one draw."""
-    if not FILE.exists():
-        raise Skip(f"{FILE.name} is missing")
+    if not (SHARED / FILE).is_file():
+        raise Skip(f"{FILE} is missing")
     rate = owned_events_per_s()
     yield Result("recognition_model", rate, "owned events/s", EVENTS_PER_S, "goal", goal=Goal(1))
     draws, folds = ((1,), [0]) if quick else ((1, 2), list(range(FOLDS)))

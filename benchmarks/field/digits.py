@@ -28,7 +28,7 @@ from shared import SHARED
 __all__ = ["FILE", "SOURCE", "digit_labels", "digits", "entries"]
 
 SOURCE = "N-MNIST"
-FILE = SHARED / "nmnist_800.npz"
+FILE = "nmnist_800.npz"
 _SENSOR = 346, 260
 _EXTENT = 2, 98  # percentiles
 _BIN_US, _BINS = 10_000, 30  # the last bin takes the few events after 0.3 s as well
@@ -84,9 +84,10 @@ def digits(ways: str, count: int, seed: tuple[int, ...], numbers: Sequence[int] 
 
 @lru_cache(maxsize=1)
 def _samples() -> dict[str, NDArray[Any]]:
-    if not FILE.is_file():
-        raise Absent(f"{FILE.name} is not in {SHARED}")
-    with np.load(FILE) as samples:
+    path = SHARED / FILE
+    if not path.is_file():
+        raise Absent(f"{FILE} is not in {SHARED}")
+    with np.load(path) as samples:
         return dict(samples)
 
 
