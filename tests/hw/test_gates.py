@@ -58,7 +58,7 @@ def random_runs(shape: Shape, module: Module, count: int) -> Iterable[Run]:
 
 
 def random_motion_runs(seeds: Iterable[int]) -> Iterable[Run]:
-    """As in `random_motion_run`, but every second one stalls."""
+    """Outlines three times in four, else bursts and noise; every second run stalls."""
     for run, seed in enumerate(seeds):
         rng = np.random.default_rng(seed)
         config = random_motion(rng, MOTION)

@@ -31,7 +31,7 @@ from ..rtl.build import PORTS_ONLY_FLAGS, BuiltModel, build
 from .base import HardwareError, Stalls, check_waits, pointer, reset
 from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
 
-__all__ = ["Device", "DeviceState", "StreamTimes", "build_device", "step_clocks"]
+__all__ = ["Device", "DeviceState", "StreamTimes", "build_device", "order_of", "step_clocks"]
 
 _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 # The fields of a shape that cot_motion.v has as parameters.
@@ -335,7 +335,7 @@ class Device:
         if status != Status.DONE:
             raise HardwareError(f"{self.config.module} {status.fault} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
         joined = records[0] if len(records) == 1 else np.concatenate(records)
-        order = _order_of(joined) if self.config.module == "cot_chain" else slice(None)
+        order = order_of(joined) if self.config.module == "cot_chain" else slice(None)
         joined, times = joined[order], np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)
         if self._early:
             early, self._early = [*self._early, (joined, times)], []
@@ -356,7 +356,7 @@ def step_clocks(slots: int, wait: int, step_log2: int) -> int:
     return min((1 + (wait >> step_log2)) * slots * (_SLOT_CLOCKS + _PAIR_CLOCKS * slots), _FOREVER >> 1)
 
 
-def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:
+def order_of(records: NDArray[np.void]) -> NDArray[np.intp]:
     """Indices that sort records chronologically, however a chain's trackers are interleaved.
 
     LOST records come before the record of the event that follows them, sorted by time, then by slot.

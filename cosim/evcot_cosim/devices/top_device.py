@@ -29,7 +29,7 @@ from evcot.tracks.log import DROPPED
 
 from ..rtl.build import PORTS_ONLY_FLAGS, RANDOM_INITIAL_FLAGS, build
 from .base import Drive, Ending, HardwareError, pointer, reset
-from .device import _order_of
+from .device import order_of
 from .driver import PARAMETERS
 
 __all__ = [
@@ -290,7 +290,7 @@ class TopRun(NamedTuple):
             owner[index] = found["slot"] if stream == "owned" else -1
             if stream == "owned":
                 rel[:, index] = found["x"], found["y"]
-        return Decisions(self.records[_order_of(self.records)] if chain else self.records, owner, *rel)
+        return Decisions(self.records[order_of(self.records)] if chain else self.records, owner, *rel)
 
 
 class TopDevice:
@@ -358,6 +358,7 @@ class TopDevice:
         most: int | None = None,
         take_outputs: bool = True,
         step_clocks: int = 0,
+        cut: bool = False,
     ) -> TopRun:
         """Stream words and access registers until there was no handshake for `quiet_clocks`, or for `clocks` clocks.
 
@@ -369,6 +370,7 @@ class TopDevice:
             most: maximum number of output events (default: the number of input words).
             take_outputs: accept outputs; otherwise they wait for the next run.
             step_clocks: what motion steps may take between two handshakes, beyond a million clocks (`device.step_clocks`).
+            cut: the clocks may end in the middle of a transfer; a reset must follow.
 
         Raises:
             HardwareError: the hardware violated the protocol of a channel, or made no progress.
@@ -397,7 +399,7 @@ class TopDevice:
         )  # fmt: skip
         status = _DRIVE.call(self.sim, job)
         self.clock, self._random = job.clock, job.random
-        if status != _Status.DONE:
+        if status != _Status.DONE and not (cut and status == _Status.UNFINISHED):
             raise HardwareError(f"evcot_top {status.fault} (clock {job.fault}, word {job.next})", job.next)
         records, recorded = records[: job.n_records], recorded[: job.n_records]
         of_tracks = records["kind"] != VERDICT_KIND

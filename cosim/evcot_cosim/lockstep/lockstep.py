@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from ..devices.device import Device, DeviceState, StreamTimes
 from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 
-__all__ = ["CHUNK", "Clocks", "Lockstep", "Step", "chunks", "cut", "dump_window"]
+__all__ = ["CHUNK", "Clocks", "Difference", "Lockstep", "Step", "chunks", "cut", "difference_of", "dump_window"]
 
 _STATE = ("events", "records", "wall_s", "latency", "_clock", "_last_us", "_golden")
 LATENCY_MAX = 4_095  # clocks; longer latencies share the last bin
@@ -172,25 +173,41 @@ class Lockstep:
         return Mismatch(index, tick, field, hardware, model, self.seed, self.config)
 
     def _compare(self, hardware: Decisions, model: Decisions, ticks: NDArray[np.int64]) -> None:
-        found: list[tuple[int, str, int | str | None, int | str | None]] = []
         assert self._golden is not None
-        columns = {field: (getattr(hardware, field), getattr(model, field)) for field in ("owner", "rel_x", "rel_y")}
-        for field, (theirs, ours) in {**columns, "visible": (self.device.visible, self._golden.visible)}.items():
-            if not np.array_equal(theirs, ours):
-                i = int(np.flatnonzero(theirs != ours)[0])
-                found.append((self.events + i, field, int(theirs[i]), int(ours[i])))
-        difference = _record_difference(hardware.records, model.records)
-        if difference is not None:
-            found.append(difference)
+        found = difference_of(hardware, model, self.events, {"visible": (self.device.visible, self._golden.visible)})
         if found:
-            index, field, theirs, ours = min(found, key=lambda entry: entry[0])
-            tick = int(ticks[min(max(index - self.events, 0), len(ticks) - 1)])
-            raise MismatchError(self._mismatch(index, tick, field, theirs, ours))
+            tick = int(ticks[min(max(found.index - self.events, 0), len(ticks) - 1)])
+            raise MismatchError(self._mismatch(found.index, tick, found.field, found.hardware, found.model))
 
 
-def _record_difference(
-    hardware: NDArray[np.void], model: NDArray[np.void]
-) -> tuple[int, str, int | str | None, int | str | None] | None:
+class Difference(NamedTuple):
+    """The first event at which two differ, in which field, and both values."""
+
+    index: int
+    field: str
+    hardware: int | str | None
+    model: int | str | None
+
+
+def difference_of(
+    hardware: Decisions,
+    model: Decisions,
+    first: int = 0,
+    columns: Mapping[str, tuple[NDArray[Any], NDArray[Any]]] = MappingProxyType({}),
+) -> Difference | None:
+    """The first difference between decisions on events `first`, `first + 1`, …, and between more columns, (n,) each."""
+    found: list[Difference] = []
+    own = {field: (getattr(hardware, field), getattr(model, field)) for field in ("owner", "rel_x", "rel_y")}
+    for field, (theirs, ours) in {**own, **columns}.items():
+        if not np.array_equal(theirs, ours):
+            i = int(np.flatnonzero(theirs != ours)[0])
+            found.append(Difference(first + i, field, int(theirs[i]), int(ours[i])))
+    of_records = _record_difference(hardware.records, model.records)
+    found += [] if of_records is None else [of_records]
+    return min(found, key=lambda entry: entry.index) if found else None
+
+
+def _record_difference(hardware: NDArray[np.void], model: NDArray[np.void]) -> Difference | None:
     words = hardware.dtype.itemsize // 8
     both = min(len(hardware), len(model))
     theirs = hardware.view("<u8").reshape(-1, words)[:both]
@@ -199,10 +216,10 @@ def _record_difference(
         i = int(np.flatnonzero((theirs != ours).any(axis=1))[0])
         field = next(name for name in hardware.dtype.names or () if hardware[i][name] != model[i][name])
         index = int(min(hardware[i]["seq"], model[i]["seq"]))
-        return index, f"record.{field}", int(hardware[i][field]), int(model[i][field])
+        return Difference(index, f"record.{field}", int(hardware[i][field]), int(model[i][field]))
     if len(hardware) != len(model):
         extra = (hardware if len(hardware) > both else model)[both]
-        return int(extra["seq"]), "records", f"{len(hardware)} records", f"{len(model)} records"
+        return Difference(int(extra["seq"]), "records", f"{len(hardware)} records", f"{len(model)} records")
     return None
 
 

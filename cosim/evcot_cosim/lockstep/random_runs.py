@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random registers and traffic for the trackers, and a run of hardware and model on them.
+"""Random shapes, registers, filters and traffic for the trackers, and a run of hardware and model on them.
 
 Register values cover their whole legal ranges, small values as often as large ones; traffic has bursts around moving targets,
 noise, equal ticks and long gaps.
@@ -8,42 +8,41 @@ noise, equal ticks and long gaps.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from evcot.errors import ConfigError
 from evcot.events import Events
+from evcot.filters.contract import CELL_PX, LEVEL_MAX, NOISE_SUPPORTS, Filter, FilterShape
+from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
-from evcot.hardware.contract import REGISTERS, Mode, Shape
-from evcot.hardware.model import Decisions
-from evcot.hardware.modules import Module
-from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RANGES, MOTION_RULES, MotionRegisters
-from evcot.hardware.motion.model import MotionModel
-from evcot.hardware.streams import pack_events
+from evcot.hardware.contract import REGISTERS, SHAPE_RANGES, Mode, Shape
+from evcot.hardware.modules import DEFAULT_MODULE, MODULES, Module
+from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.ticks import TickedEvents
 
-from ..devices.base import HardwareError
-from ..devices.device import step_clocks
-from ..devices.top_device import Command, TopDevice, bank_address, poll_status, read, slot_address, write
 from ..rtl.build import BuiltModel
 from .cosim import stalls_from
 from .lockstep import Lockstep, chunks
 
 __all__ = [
-    "ALONE",
     "RATES",
-    "Rewritten",
+    "TOP",
+    "Case",
+    "Design",
+    "random_case",
     "random_config",
+    "random_filters",
     "random_motion",
-    "random_motion_run",
-    "random_motion_traffic",
     "random_outlines",
-    "random_run",
     "random_traffic",
-    "rewritten",
+    "run_case",
 ]
+
+TOP = "evcot_top"
 
 
 RATES = (0.3, 2.0, 10.0)
@@ -162,8 +161,159 @@ def random_outlines(rng: np.random.Generator, shape: Shape, n: int, ticks_per_ev
     return TickedEvents(ticks.astype(np.int64), x, y, rng.integers(0, 2, n, np.uint8))
 
 
-def random_run(shape: Shape, module: Module, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
-    """Run hardware and model in lock-step on registers, traffic and stalls that a seed determines; three runs in four stall.
+def random_filters(rng: np.random.Generator, shape: FilterShape, enable: int) -> FilterRegisters:
+    """Random registers of the filters that are on: most of them such that much stays, so that there is something to track."""
+    oldest = min(400, shape.units_max - 1 if shape.cell_px else (1 << (shape.stamp_w - 1)) - 1)
+    hot = {(int(x), int(y)) for x, y in zip(rng.integers(0, shape.width, 20), rng.integers(0, shape.height, 20), strict=True)}
+
+    def low(size: int) -> int:
+        return int(rng.integers(0, 1 + size // 8))
+
+    lively = {
+        "region_x0": low(shape.width), "region_x1": shape.width - low(shape.width),
+        "region_y0": low(shape.height), "region_y1": shape.height - low(shape.height),
+        "polarity": int(rng.integers(2)), "refractory_ticks": int(rng.integers(1, 1 + min(20, oldest))),
+        "activity_ticks": int(rng.integers(0, 1 + oldest)), "activity_support": int(rng.integers(0 if shape.cell_px else 1, 3)),
+        "recent_ticks": int(rng.integers(0, 1 + oldest)), "recent_radius": int(rng.integers(3, 15)),
+        "decay_rate": int(rng.integers(1 << 12, 1 << 20)), "decay_epsilon": int(rng.integers(0, 20)),
+        "decay_support": int(rng.integers(1, 60)), "rowcol_ticks": int(rng.integers(0, 1 + oldest)),
+        "rowcol_radius": int(rng.integers(3, 15)), "noise_log2": int(rng.integers(6, 15)),
+    }  # fmt: skip
+    lively |= {f"noise_{supports}": int(rng.integers(0, LEVEL_MAX, endpoint=True)) for supports in NOISE_SUPPORTS}
+    return FilterRegisters(enable, **lively, hot_pixels=tuple(sorted(hot)))
+
+
+@dataclass(frozen=True)
+class Design:
+    """What is compiled for a random run.
+
+    Attributes:
+        module: the tracker.
+        shape: its widths.
+        enable: bit mask of the filters in front of it.
+        filter_shape: theirs.
+        top: Verilog parameters of `evcot_top` around it; None: without.
+    """
+
+    module: Module
+    shape: Shape = field(default_factory=Shape)
+    enable: int = 0
+    filter_shape: FilterShape = field(default_factory=FilterShape)
+    top: Mapping[str, int] | None = None
+
+    def __post_init__(self) -> None:
+        self.config(np.random.default_rng(0))
+
+    @classmethod
+    def random(cls, rng: np.random.Generator, module: str) -> Design:
+        """A random one of a module, or of `TOP`: half of all widths are the defaults, half of the trackers have filters."""
+        tracker = str(rng.choice([name for name in MODULES if name != "cot"])) if module == TOP else module
+        most = {"x_w": 11, "y_w": 11} if module == TOP else {}  # the widest that its filters and sources take
+        least = {"seq_w": 16} if module == TOP else {}  # or the numbers in its streams would be ambiguous
+        while True:
+            widths = {"n_slots": 1 if tracker == "cot" else int(rng.choice(_SLOTS, p=_SLOTS_P))}
+            for name, (low, high, _) in SHAPE_RANGES.items():
+                if name not in widths and rng.random() < 0.5:
+                    widths[name] = int(rng.integers(least.get(name, low), most.get(name, high), endpoint=True))
+            enable = int(rng.integers(1, 1 << len(Filter))) if tracker != "cot" and rng.random() < 0.5 else 0
+            top = {
+                "DATA_W": int(rng.choice([32, 64, 128, 256])),
+                "FIFO_DEPTH": int(rng.integers(1, 65)),
+                "RECORD_DEPTH": int(rng.integers(1, 17)),
+                "HAS": enable,
+            }
+            try:
+                shape = Shape(**widths)
+                sensor = _random_filter_shape(rng, shape) if enable or module == TOP else FilterShape()
+                return cls(tracker, shape, enable, sensor, top if module == TOP else None)  # type: ignore[arg-type]
+            except ConfigError:  # widths that contradict each other
+                continue
+
+    @classmethod
+    def of(cls, module: str, shape: Shape) -> Design:
+        """A shape of a module without filters; of `TOP` around the default tracker.
+
+        Raises:
+            ConfigError: the module cannot have it.
+        """
+        if module != TOP:
+            return cls(module, shape)  # type: ignore[arg-type]
+        return cls(DEFAULT_MODULE, shape, filter_shape=FilterShape(1 << shape.x_w, 1 << shape.y_w), top={})
+
+    def to_tables(self) -> dict[str, Any]:
+        """Plain values: what differs from the defaults."""
+        shape = {name: value for name, value in asdict(self.shape).items() if value != getattr(Shape(), name)}
+        found: dict[str, Any] = {"module": self.module, "shape": shape}
+        if self.enable or self.top is not None:
+            found |= {"enable": self.enable, "filter_shape": asdict(self.filter_shape)}
+        return found if self.top is None else found | {"top": dict(self.top)}
+
+    @classmethod
+    def from_tables(cls, tables: Mapping[str, Any]) -> Design:
+        """The design of `to_tables`.
+
+        Raises:
+            ConfigError: a shape that the module cannot have.
+        """
+        shapes = {"shape": Shape(**tables["shape"]), "filter_shape": FilterShape(**tables.get("filter_shape", {}))}
+        return cls(**{**tables, **shapes})
+
+    def config(self, rng: np.random.Generator) -> CotConfig | MotionConfig:
+        """Random registers for it."""
+        own = random_motion(rng, self.shape) if self.module == "cot_motion" else random_config(rng, self.shape, self.module)
+        if not self.enable and self.top is None:
+            return own
+        return replace(own, filters=random_filters(rng, self.filter_shape, self.enable), filter_shape=self.filter_shape)
+
+    def traffic(self, rng: np.random.Generator, events: int) -> TickedEvents:
+        """Random events on its sensor: of cot_motion outlines three times in four, else bursts and noise; every fourth time,
+        events of a period all come at one tick. No silence is longer than 2^10 tokens."""
+        shape = replace(self.shape, tc_w=min(self.shape.tc_w, self.shape.tick_w + _SILENCE_LOG2))
+        motion = self.module == "cot_motion"
+        if motion:
+            shape = replace(shape, tc_w=min(shape.tc_w, _MOTION_SILENCE_LOG2))
+        outlines = motion and rng.random() < 0.75
+        traffic = (random_outlines if outlines else random_traffic)(rng, shape, events, float(rng.choice(RATES)))
+        period = int(rng.integers(2, 1_000)) if rng.random() < 0.25 else 1
+        traffic = replace(traffic, ticks=traffic.ticks // period * period)
+        if not self.enable and self.top is None:
+            return traffic
+        return replace(traffic, x=traffic.x % self.filter_shape.width, y=traffic.y % self.filter_shape.height)
+
+
+_SLOTS = (1, 2, 3, 4, 5, 8, 12, 16, 32, 64)
+_SLOTS_P = (0.15, 0.15, 0.15, 0.1, 0.1, 0.15, 0.08, 0.08, 0.02, 0.02)  # many slots take long to compile and to simulate
+_SILENCE_LOG2 = 10  # of the tokens in the longest silence
+_MOTION_SILENCE_LOG2 = 16  # of its ticks: there may be a motion step in each
+
+
+def _random_filter_shape(rng: np.random.Generator, shape: Shape) -> FilterShape:
+    width, height = (int(rng.integers(1, min(1 << bits, 160), endpoint=True)) for bits in (shape.x_w, shape.y_w))
+    return FilterShape(width, height, int(rng.integers(4, 24)), int(rng.integers(1, 41)), int(rng.choice(CELL_PX)))
+
+
+class Case(NamedTuple):
+    """All that a run in lock-step depends on.
+
+    Attributes:
+        events: their times are ticks.
+        stalls: seed of the stall patterns; None: none.
+    """
+
+    config: CotConfig | MotionConfig
+    events: Events
+    stalls: int | None
+
+
+def random_case(design: Design, seed: int, events: int) -> Case:
+    """Registers, traffic and stalls that a seed determines; three cases in four stall."""
+    rng = np.random.default_rng(seed)
+    config, traffic = design.config(rng), design.traffic(rng, events)
+    return Case(config, Events(traffic.ticks, traffic.x, traffic.y, traffic.p), seed if rng.random() < 0.75 else None)
+
+
+def run_case(case: Case, model: BuiltModel | None = None) -> Lockstep:
+    """Run hardware and model in lock-step.
 
     Args:
         model: what `build_device` returned for the shape, to avoid the look-up.
@@ -171,135 +321,7 @@ def random_run(shape: Shape, module: Module, seed: int, events: int, model: Buil
     Raises:
         MismatchError: they differ.
     """
-    rng = np.random.default_rng(seed)
-    config = random_config(rng, shape, module)
-    return _run(rng, config, random_traffic(rng, shape, events, float(rng.choice(RATES))), seed, model)
-
-
-def random_motion_traffic(rng: np.random.Generator, shape: Shape, events: int) -> TickedEvents:
-    """Outlines three times in four, else bursts and noise; every fourth time, events of a period all come at one tick."""
-    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
-    period = int(rng.integers(2, 1_000)) if rng.random() < 0.25 else 1
-    return replace(traffic, ticks=traffic.ticks // period * period)
-
-
-def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
-    """The same for cot_motion, on `random_motion_traffic`.
-
-    Raises:
-        MismatchError: they differ.
-    """
-    rng = np.random.default_rng(seed)
-    config = random_motion(rng, shape)
-    return _run(rng, config, random_motion_traffic(rng, shape, events), seed, model)
-
-
-def _run(
-    rng: np.random.Generator, config: CotConfig | MotionConfig, traffic: TickedEvents, seed: int, model: BuiltModel | None
-) -> Lockstep:
-    stream = Events(traffic.ticks, traffic.x, traffic.y, traffic.p)
-    stalls = stalls_from(seed if rng.random() < 0.75 else None)
-    with Lockstep(config, stalls=stalls, seed=seed, model=model) as lockstep:
-        for chunk in chunks(stream):
+    with Lockstep(case.config, stalls=stalls_from(case.stalls), seed=case.stalls, model=model) as lockstep:
+        for chunk in chunks(case.events):
             lockstep.feed(chunk)
     return lockstep
-
-
-# cot_motion in `evcot_top`, whose registers are rewritten while events flow, beside the golden model.
-#
-# The hardware says at which event each commit took effect; the model is changed at that event.
-
-ALONE = 300  # events at the end before which no change is asked for: it takes effect some events later
-
-
-class _Change(NamedTuple):
-    """Registers of a bank, or of a slot, which begins anew."""
-
-    motion: MotionRegisters | None
-    slot: int
-    mode: int
-
-
-class Rewritten(NamedTuple):
-    """What hardware and model decided; the event before which each change took effect; how many tracks were ended by one."""
-
-    hardware: Decisions
-    model: Decisions
-    at: NDArray[np.int64]
-    ended: int
-
-
-def rewritten(
-    device: TopDevice, config: MotionConfig, traffic: TickedEvents, rng: np.random.Generator, changes: int
-) -> Rewritten:
-    """Run both from reset on traffic, with so many changes of random registers at random events.
-
-    Args:
-        device: of the configuration's shape, without filters.
-        traffic: more than `ALONE` events.
-        changes: of two banks of motion, and of slots, as likely.
-
-    Raises:
-        HardwareError: the hardware refused a change, made no progress, or violated a protocol.
-    """
-    # From 0, as the hardware counts, and without silences of several tokens: a commit within one has no place among events.
-    steps = np.minimum(np.diff(traffic.ticks, prepend=traffic.ticks[:1]), (1 << config.shape.tick_w) - 1)
-    traffic = replace(traffic, ticks=np.cumsum(steps))
-    n, motion = len(traffic), config.registers
-    made: list[_Change] = []
-    commands: list[Command] = []
-    asks: list[int] = []
-    after_all = np.sort(rng.integers(0, n - ALONE, changes))
-    for after in after_all.tolist():
-        change, writes, address = _change(rng, config.shape, motion, after)
-        motion = change.motion or motion
-        made.append(change)
-        commands += [*writes, write(address, 1, after), poll_status("pending", 0), read(address)]
-        asks.append(len(commands) - 1)
-    commands.append(poll_status("idle", 1, n))  # all is through, however long motion steps take
-    device.reset()
-    device.configure(config)
-    shortest = min(registers.step_log2 for registers in (config.registers, *(one.motion for one in made if one.motion)))
-    longest = step_clocks(config.shape.n_slots, int(steps.max()), shortest)
-    played = device.run(pack_events(traffic.ticks, traffic.x, traffic.y, traffic.p), commands, step_clocks=longest)
-    if played.commands["response"].any():
-        refused = int(np.flatnonzero(played.commands["response"])[0])
-        raise HardwareError(f"evcot_top refused access {refused}, {commands[refused]}", int(commands[refused][0]))
-    # Of the numbers with these low bits, the one nearest to where the change was asked for.
-    half = 1 << (played.seq_bits - 1)
-    at = after_all + (played.commands["result"][asks].astype(np.int64) - after_all + half) % (2 * half) - half
-    model, begin, ended, parts = MotionModel(config), 0, 0, []
-    for change, seq in zip(made, at.tolist(), strict=True):
-        parts.append(model.feed(traffic[begin:seq]))
-        begin = seq
-        if change.motion is not None:
-            model.write_registers(change.motion)
-        else:
-            lost = model.write_mode(change.slot, change.mode)
-            parts.append(Decisions(lost, np.empty(0, np.int16), np.empty(0, np.uint16), np.empty(0, np.uint16)))
-            ended += len(lost)
-    parts.append(model.feed(traffic[begin:]))
-    decided = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-    decided.records["seq"] %= 1 << config.shape.seq_w  # the model's numbers do not wrap
-    return Rewritten(played.decisions(0, n), decided, at, ended)
-
-
-def _change(rng: np.random.Generator, shape: Shape, motion: MotionRegisters, after: int) -> tuple[_Change, list[Command], int]:
-    """A change, the writes before its commit, and the address of that."""
-    bank = str(rng.choice(["motion", "tracks", "slot"]))
-    if bank == "slot":
-        slot, mode = int(rng.integers(shape.n_slots)), int(rng.choice([Mode.OFF, Mode.SEEDED], p=[0.2, 0.8]))
-        return _Change(None, slot, mode), [write(slot_address(slot, "mode"), mode, after)], slot_address(slot)
-    new = _drawn(rng, shape, motion, bank)
-    names = [name for name in MOTION_BANKS[bank] if getattr(new, name) != getattr(motion, name)]
-    writes = [write(bank_address(bank, name), getattr(new, name), after) for name in rng.permutation(names)]
-    return _Change(new, 0, 0), writes, bank_address(bank)
-
-
-def _drawn(rng: np.random.Generator, shape: Shape, now: MotionRegisters, bank: str) -> MotionRegisters:
-    """Other registers of one bank: a few of them, which do not contradict each other."""
-    other = random_motion(rng, shape).registers
-    names = {str(name) for name in rng.choice(list(MOTION_BANKS[bank]), 6, replace=False)}
-    for rule in MOTION_RULES:  # those of a rule together
-        names |= {rule.less, rule.more} if rule.less in names or rule.more in names else set()
-    return replace(now, **{name: getattr(other, name) for name in names})

@@ -12,16 +12,15 @@ import warnings
 from datetime import UTC, datetime
 from functools import cache, partial
 from threading import Lock
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from evcot.errors import EvcotError, RecordingWarning
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, MotionConfig
-from evcot.hardware.contract import Shape
 from evcot.hardware.golden import to_track_records
-from evcot.hardware.modules import MODULES, Module
+from evcot.hardware.modules import MODULES
 from evcot.metrics import evaluate
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import TrackLog
@@ -32,7 +31,8 @@ from ..fpga.figures import Figure, load
 from ..lockstep.cosim import stalls_from
 from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
-from ..lockstep.random_runs import random_config, random_motion, random_motion_run, random_run
+from ..lockstep.random_runs import Design, random_case, run_case
+from ..lockstep.top_runs import random_top_run
 from ..rtl.build import BuiltModel
 from ..rtl.files import verilog_dir, versions
 from .checkpoints import CheckpointedLog
@@ -202,16 +202,14 @@ def _state(lockstep: Lockstep, t0_us: int) -> tuple[dict[str, Any], int]:
 
 
 def _fuzzed(task: Task) -> dict[str, Any]:
-    shape = Shape(**task.tables["shape"])
     assert task.seed is not None
-    rng = np.random.default_rng(task.seed)
-    if task.hardware == "cot_motion":
-        built = _built(random_motion(rng, shape))
-        lockstep = random_motion_run(shape, task.seed, task.events, built)
-    else:
-        module = cast(Module, task.hardware)
-        built = _built(random_config(rng, shape, module))
-        lockstep = random_run(shape, module, task.seed, task.events, built)
+    design = Design.from_tables(task.tables)
+    if design.top is not None:
+        done = random_top_run(design, task.seed, task.events)
+        return {**done._asdict(), "cycles_per_event": done.cycles / done.events}
+    case = random_case(design, task.seed, task.events)
+    built = _built(case.config)
+    lockstep = run_case(case, built)
     own = {"events": lockstep.events, "records": lockstep.records, "build_s": 0.0 if built.cached else built.build_s}
     return {**own, **_hardware(lockstep)}
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -12,8 +11,8 @@ from xml.etree import ElementTree
 from .execute import DONE, INVALID, MISMATCH
 from .folder import JUNIT, REPORT, write_own
 from .page import render
-from .playback import write_playback
-from .results import Group, best_first, families_of, front, grouped
+from .playback import write_mismatches, write_playback
+from .results import Group, best_first, families_of, front, grouped, module_and_shape, suites_of
 from .run import Swept
 from .spec import Spec
 from .store import COLUMNS, read_rows
@@ -25,9 +24,7 @@ def junit_xml(name: str, rows: Sequence[Mapping[str, Any]]) -> str:
     """The text of the file: a mismatch is a failure, what was not done an error, and what cannot be is skipped."""
     suites: dict[str, list[Mapping[str, Any]]] = {}
     for row in sorted(rows, key=lambda row: (row["hardware"], row["task"])):
-        shape = json.loads(row["task"])["tables"].get("shape", {})
-        sizes = ", ".join(f"{field} = {value}" for field, value in shape.items()) or "default shape"
-        suites.setdefault(f"{row['hardware']}: {sizes}", []).append(row)
+        suites.setdefault(module_and_shape(row), []).append(row)
     root = ElementTree.Element("testsuites", _counts(rows) | {"name": name})
     for title, own in suites.items():
         suite = ElementTree.SubElement(root, "testsuite", _counts(own) | {"name": title})
@@ -72,7 +69,9 @@ def finish(spec: Spec, found: Swept) -> dict[str, Any]:
     groups = grouped(rows, list(spec.objectives))
     best = best_first(groups, spec.objectives)[:_BEST] if spec.objectives else []
     playback = write_playback(found.folder, _chosen(best[: spec.best], spec)) if best else {}
+    tests: list[str] = []
     if spec.fuzz is not None:
+        tests = write_mismatches(found.folder, [row for row in rows if row["status"] == MISMATCH])
         write_own(found.folder / JUNIT, junit_xml(spec.name, rows))
     metric, way = next(iter(spec.objectives.items()), ("", "max"))
     summary = {
@@ -88,6 +87,10 @@ def finish(spec: Spec, found: Swept) -> dict[str, Any]:
         "left_out": {name: [asdict(each) for each in own] for name, own in families_of(groups, metric, way).items()}
         if spec.families and metric
         else {},
+        "modules": {name: suite.to_dict() for name, suite in suites_of(rows, lambda row: str(row["hardware"])).items()}
+        if spec.fuzz is not None
+        else {},
+        "tests": tests,
         "faults": [{key: row[key] for key in ("key", "status", "error", "command")} for row in rows if row["status"] != DONE],
     }
     write_own(found.folder / REPORT, render(spec, rows, groups, summary))

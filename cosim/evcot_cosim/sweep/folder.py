@@ -12,9 +12,10 @@ from evcot.outputs import RUN_FILE, folder_written_aside, is_own_file, remade, w
 from .spec import Spec, read_spec, spec_toml
 from .store import RUNS
 
-__all__ = ["JUNIT", "PLAYBACK", "REPORT", "SPEC", "begin", "folder_names", "spec_of", "write_own"]
+__all__ = ["JUNIT", "MISMATCHES", "PLAYBACK", "REPORT", "SPEC", "begin", "folder_names", "spec_of", "write_own"]
 
-SPEC, REPORT, JUNIT, PLAYBACK = "sweep.toml", "report.html", "junit.xml", "playback"
+SPEC, REPORT, JUNIT = "sweep.toml", "report.html", "junit.xml"
+PLAYBACK, MISMATCHES = "playback", "mismatches"  # folders
 _HEAD = (
     "# Made by evcot. `evcot sweep SPEC -o FOLDER` goes on with the sweep in this folder; sweep.toml is what was asked for.\n"
 )

@@ -20,9 +20,9 @@ from ..report.page import inline_modules, inline_styles
 from .execute import DONE, MISMATCH
 from .fields import RTL
 from .folder import SPEC
-from .results import Group, Level, front, responses
+from .results import Group, Level, front, module_and_shape, responses, suites_of
 from .spec import Spec, spec_toml
-from .task import FUZZ, Task, canonical
+from .task import FUZZ, canonical
 
 __all__ = ["render"]
 
@@ -52,7 +52,8 @@ def render(spec: Spec, rows: Sequence[Mapping[str, Any]], groups: Sequence[Group
     on_front = [place[id(group)] for group in front(drawn, spec.objectives)] if len(objectives) > 1 else []
     facts = {"count": len(drawn), "axes": axes, "front": on_front, "columns": packed.directory}
     charts = [_chart(name, levels) for name, levels in responses(drawn, objectives[0][0]).items()] if drawn else []
-    suites = _suites(rows) if spec.fuzz is not None else []
+    by_module = sorted(rows, key=lambda row: (row["hardware"], row["task"])) if spec.fuzz is not None else []
+    suites = [{"name": name, **suite.to_dict()} for name, suite in suites_of(by_module, module_and_shape).items()]
     faults = list(summary["faults"])
     left_out = list(summary["left_out"].items())
     script = inline_modules(_SHARED) + inline_modules(_MODULES, __package__ or "")
@@ -206,17 +207,3 @@ def _rows(name: str, levels: Sequence[Level]) -> _Chart:
 def _told(level: Level) -> str:
     counted = f"{level.count:,} configuration{'' if level.count == 1 else 's'}"
     return f"{level.title}: {level.mean:.4g}, 95 % {level.low:.4g} to {level.high:.4g}, {counted}"
-
-
-def _suites(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Of a regression: counts by module and shape."""
-    found: dict[str, dict[str, Any]] = {}
-    for row in sorted(rows, key=lambda row: (row["hardware"], row["task"])):
-        shape = Task.from_json(row["task"]).tables.get("shape", {})
-        sizes = ", ".join(f"{field} = {value}" for field, value in shape.items()) or "default shape"
-        name = f"{row['hardware']}: {sizes}"
-        suite = found.setdefault(name, {"name": name, "runs": 0, "exact": 0, "mismatches": 0, "failed": 0, "events": 0})
-        suite["runs"] += 1
-        suite[{DONE: "exact", MISMATCH: "mismatches"}.get(row["status"], "failed")] += 1
-        suite["events"] += row["events"] or 0
-    return list(found.values())

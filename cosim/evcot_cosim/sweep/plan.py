@@ -8,22 +8,24 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
+import numpy as np
+
 from evcot.errors import ConfigError, RecordingError
-from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import Shape
 from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 
 from ..lockstep.cosim import check_addresses_of
+from ..lockstep.random_runs import Design
 from ..rtl.files import design_fingerprint
 from .axes import RUNS_MAX, Point, grid, latin, uniform
 from .execute import FAILED, INVALID
 from .fields import HARDWARE, PRESET, RTL, concerns, with_fields
 from .inputs import inputs_of, sensor_of
 from .machine import code_fingerprint, code_of
-from .spec import Spec
-from .task import FUZZ, Input, Task, canonical, configuration, tables_of
+from .spec import FUZZED, Spec
+from .task import DRAWN, FUZZ, Input, Task, canonical, configuration, tables_of
 
 __all__ = ["Invalid", "Plan", "Planner", "points_of"]
 
@@ -57,6 +59,8 @@ class Plan:
 def design_of(task: Task) -> tuple[str, str]:
     """What distinguishes the designs of tasks: module and shape."""
     tables = task.tables
+    if task.engine == FUZZ:
+        return task.hardware, canonical(tables)
     filters = canonical(sorted(tables.get("filters", {}))) + str(task.preset)
     size = canonical([task.input.width, task.input.height]) if task.input else ""
     return task.hardware, canonical(tables.get("shape", {})) + filters + size
@@ -102,28 +106,30 @@ class Planner:
         return sorted(files | rules)
 
     def fuzz(self) -> Plan:
-        """The runs of `Fuzz`: modules x shapes x seeds.
+        """The runs of `Fuzz`: modules x shapes x seeds; each of the shapes that are drawn is another for each module.
 
         Raises:
             ConfigError: more than `RUNS_MAX`.
         """
         fuzz = self.spec.fuzz
         assert fuzz is not None
-        _check_count(len(fuzz.modules) * len(fuzz.shapes) * len(self.spec.seeds))
+        _check_count(fuzz.designs * len(self.spec.seeds))
         plan = Plan()
-        for module in fuzz.modules:
+        for module, events in fuzz.modules.items():
+            common = Task(FUZZ, hardware=module, events=events, code=code_fingerprint(), design=design_fingerprint())
+            for number in range(fuzz.drawn.get(module, 0)):
+                design = Design.random(np.random.default_rng([number, FUZZED.index(module)]), module)
+                own = replace(common, tables=design.to_tables(), settings={DRAWN: number})
+                plan.tasks += [replace(own, seed=seed) for seed in self.spec.seeds]
             for shape in fuzz.shapes:
                 settings = {f"shape.{name}": value for name, value in shape.items()}
-                tables = {"shape": dict(shape)}
-                common = Task(
-                    FUZZ, tables=tables, hardware=module, events=fuzz.events, settings=settings, code=code_fingerprint(),
-                    design=design_fingerprint(),
-                )  # fmt: skip
-                rule = _rule_of(module, Shape(**shape))
-                if rule:
-                    plan.invalid.append(Invalid(common, rule))
+                own = replace(common, tables={"shape": dict(shape)}, settings=settings)
+                try:
+                    own = replace(own, tables=Design.of(module, Shape(**shape)).to_tables())
+                except ConfigError as error:
+                    plan.invalid.append(Invalid(own, str(error)))
                     continue
-                plan.tasks += [replace(common, seed=seed) for seed in self.spec.seeds]
+                plan.tasks += [replace(own, seed=seed) for seed in self.spec.seeds]
         plan.tasks = _designs_first(plan.tasks)
         return plan
 
@@ -214,18 +220,6 @@ def _check_count(runs: int) -> None:
 
 def _with(what: str) -> str:
     return f" with {what.replace(chr(34), '')}" if what else ""
-
-
-def _rule_of(module: str, shape: Shape) -> str:
-    """The rule of a module that a shape breaks; empty: none."""
-    if module == "cot" and shape.n_slots != 1:
-        return f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker"
-    if module == "cot_motion":
-        try:
-            MotionConfig(shape)
-        except ConfigError as error:
-            return str(error)
-    return ""
 
 
 def _designs_first(tasks: Sequence[Task]) -> list[Task]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of a sweep again: by their key, compared with the store, or as report pages in the sweep's folder."""
+"""Runs of a sweep again: by their key, compared with the store, as report pages in the sweep's folder, or as tests."""
 
 from __future__ import annotations
 
@@ -15,17 +15,19 @@ from evcot.events import Events, Recording
 from evcot.hardware.modules import MODULES
 from evcot.trackers.config import RunConfig
 
+from ..lockstep.random_runs import Design, random_case
+from ..lockstep.shrink import difference_in, shrunk, write_test
 from ..report import Material, Side, Truth, write_report
 from ..rtl.files import versions
 from .execute import Tracked, execute, tracked
 from .fields import RTL
-from .folder import PLAYBACK, spec_of
+from .folder import MISMATCHES, PLAYBACK, spec_of
 from .inputs import opened, truth_of
 from .metrics import METRICS
 from .store import read_rows
 from .task import Task, configuration
 
-__all__ = ["Difference", "repeat", "write_playback"]
+__all__ = ["Difference", "repeat", "write_mismatches", "write_playback"]
 
 
 _LEAST = 6  # digits of a key: enough to distinguish runs
@@ -78,6 +80,7 @@ def repeat(folder: Path, key: str) -> Repeated:
     return Repeated(row, True, different)
 
 
+_TESTS = 3  # that are written: one error makes many runs differ
 _EVENTS_MAX = 20_000_000  # that a page is made of: it holds them in memory
 
 
@@ -94,12 +97,32 @@ def write_playback(folder: Path, rows: Sequence[Mapping[str, Any]]) -> dict[str,
         if path.is_file():
             written[row["key"]] = name
         elif (row["events"] or 0) <= _EVENTS_MAX:
-            try:
-                path.parent.mkdir(exist_ok=True)
-            except OSError as error:
-                raise OutputError(f"{path.parent}: cannot be written: {reason_of(error, path.parent)}") from error
+            _make(path.parent)
             write_report(_material(row), path)
             written[row["key"]] = name
+    return written
+
+
+def write_mismatches(folder: Path, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Write a test with a waveform for the first of these random runs that differ; returns their paths in the folder.
+
+    Those of `evcot_top` are left out: its registers change within a run.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    written = []
+    alone = [task for task in (Task.from_json(row["task"]) for row in rows) if "top" not in task.tables]
+    for task in alone[:_TESTS]:
+        name = f"{MISMATCHES}/test_{task.key}.py"
+        if not (folder / name).is_file():
+            design = Design.from_tables(task.tables)
+            case = random_case(design, task.seed or 0, task.events)
+            if difference_in(case) is None:
+                continue  # what was broken is not any more
+            _make(folder / MISMATCHES)
+            write_test(*shrunk(case), folder / MISMATCHES, task.key)
+        written.append(name)
     return written
 
 
@@ -119,6 +142,13 @@ def _material(row: Mapping[str, Any]) -> Material:
     summary = {"name": recording.name, "command": row["command"], "versions": versions(), "config": plain}
     truth = None if scored is None else Truth(*scored)
     return Material(recording, summary, (Side(side, found.log),), truth)
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written: {reason_of(error, folder)}") from error
 
 
 def _joined(blocks: Sequence[Events]) -> Events:

@@ -5,18 +5,21 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .execute import DONE
+from .execute import DONE, MISMATCH
 from .fields import HARDWARE, PRESET
-from .task import canonical
+from .task import DRAWN, canonical
 
-__all__ = ["Group", "Level", "best_first", "families_of", "front", "grouped", "merit", "responses", "settings_of"]
+__all__ = [
+    "Group", "Level", "Suite", "best_first", "families_of", "front", "grouped", "merit", "module_and_shape", "responses",
+    "settings_of", "suites_of",
+]  # fmt: skip
 
 _BINS = 12
 _SURE = 1.96  # standard errors on either side: 95 %
@@ -46,6 +49,47 @@ class Group:
         settings = (f"{key} = {value}" for key, value in self.settings.items() if key not in named or value != named[key])
         parts = [self.engine, self.hardware, self.preset or "", *settings]
         return ", ".join(part for part in parts if part)
+
+
+@dataclass
+class Suite:
+    """Runs of random registers and traffic: how many had which result, with how many events and records."""
+
+    shapes: set[str] = field(default_factory=set)
+    runs: int = 0
+    exact: int = 0
+    mismatches: int = 0
+    failed: int = 0
+    events: int = 0
+    records: int = 0
+
+    def to_dict(self) -> dict[str, int]:
+        """Plain values; `shapes` is their number."""
+        return {**vars(self), "shapes": len(self.shapes)}
+
+
+def suites_of(rows: Iterable[Mapping[str, Any]], name: Callable[[Mapping[str, Any]], str]) -> dict[str, Suite]:
+    """The runs of each suite, by the name that a row's has."""
+    found: dict[str, Suite] = {}
+    for row in rows:
+        suite = found.setdefault(name(row), Suite())
+        suite.shapes.add(canonical(json.loads(row["task"])["tables"]))
+        suite.runs += 1
+        suite.exact += row["status"] == DONE
+        suite.mismatches += row["status"] == MISMATCH
+        suite.failed += row["status"] not in (DONE, MISMATCH)
+        suite.events += row["events"] or 0
+        suite.records += row["records"] or 0
+    return found
+
+
+def module_and_shape(row: Mapping[str, Any]) -> str:
+    """The name of a suite: a module with a shape that was given, or with all that were drawn."""
+    task = json.loads(row["task"])
+    if DRAWN in task["settings"]:
+        return f"{row['hardware']}: drawn shapes"
+    shape = task["tables"].get("shape", {})
+    return f"{row['hardware']}: " + (", ".join(f"{name} = {value}" for name, value in shape.items()) or "default shape")
 
 
 def settings_of(row: Mapping[str, Any]) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from evcot.scenes.registry import SCENES, scene_settings
 from evcot.toml_file import read_toml
 from evcot.trackers.engines import ENGINES
 
+from ..lockstep.random_runs import TOP
 from ..standard_streams import STANDARD_INPUT, as_file
 from .axes import METHODS, RUNS_MAX, Axis, axis_from
 from .fields import HARDWARE, PRESET, RTL, check_engine, nested
@@ -26,13 +27,17 @@ from .metrics import METRICS
 from .places import placed
 from .task import canonical
 
-__all__ = ["SHIPPED", "Fuzz", "Spec", "read_spec", "spec_from", "spec_toml"]
+__all__ = ["FUZZED", "SHIPPED", "Fuzz", "Spec", "read_spec", "spec_from", "spec_toml"]
 
 _FOLDER = Path(__file__).with_name("specs")
 SHIPPED = tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 """Specifications that come with evcot, by name."""
 
 _DIRECTIONS = ("max", "min")
+FUZZED = (*MODULES, TOP)
+"""What `Fuzz` can run: the trackers, and `evcot_top` around one of them."""
+
+_FUZZ_EVENTS = 20_000
 
 
 @dataclass(frozen=True)
@@ -40,14 +45,19 @@ class Fuzz:
     """Hardware against model with random registers, traffic and stalls.
 
     Attributes:
-        modules: the hardware modules.
+        modules: names of `FUZZED` -> events of each run.
         shapes: fields of `Shape` that differ from its defaults, one entry a shape.
-        events: of each run.
+        drawn: module -> number of random shapes, with filters, and with parameters of `evcot_top`; in place of `shapes`.
     """
 
-    modules: tuple[str, ...]
-    shapes: tuple[Mapping[str, int], ...]
-    events: int
+    modules: Mapping[str, int]
+    shapes: tuple[Mapping[str, int], ...] = ()
+    drawn: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def designs(self) -> int:
+        """Shapes of all modules."""
+        return sum(self.drawn.values()) if self.drawn else len(self.modules) * len(self.shapes)
 
 
 @dataclass(frozen=True)
@@ -186,7 +196,8 @@ def spec_toml(spec: Spec) -> str:
         values["fields"] = {axis.name: _axis_value(axis) for axis in spec.axes}
     if spec.fuzz is not None:
         shapes = [dict(shape) for shape in spec.fuzz.shapes]
-        values["fuzz"] = {"modules": list(spec.fuzz.modules), "shapes": shapes, "events": spec.fuzz.events}
+        modules = dict(spec.fuzz.modules)
+        values["fuzz"] = {"modules": list(modules), "shapes": dict(spec.fuzz.drawn) or shapes, "events": modules}
     return tomli_w.dumps({key: _lists(value) for key, value in values.items()})
 
 
@@ -269,13 +280,16 @@ def _fuzz(value: Mapping[str, Any]) -> Fuzz:
     for key in value:
         if key not in ("modules", "shapes", "events"):
             raise ConfigError(f"fuzz: unknown field {key!r}: must be one of events, modules, shapes")
-    modules = tuple(_texts("fuzz.modules", value.get("modules", list(MODULES))))
+    modules = _texts("fuzz.modules", value.get("modules", list(FUZZED)))
     for module in modules:
-        if module not in MODULES:
-            raise ConfigError(f"fuzz.modules: {module!r}: must be one of {', '.join(MODULES)}")
+        if module not in FUZZED:
+            raise ConfigError(f"fuzz.modules: {module!r}: must be one of {', '.join(FUZZED)}")
+    events = _of_each("events", value.get("events", _FUZZ_EVENTS), modules, 10**9)
     shapes = value.get("shapes", [{}])
+    if isinstance(shapes, int | Mapping):
+        return Fuzz(events, drawn=_of_each("shapes", shapes, modules, RUNS_MAX))
     if not isinstance(shapes, list) or not shapes or not all(isinstance(shape, Mapping) for shape in shapes):
-        raise ConfigError(f"fuzz.shapes = {shapes!r}: must be a list of tables, one at least")
+        raise ConfigError(f"fuzz.shapes = {shapes!r}: must be a list of tables, one at least, or how many to draw")
     names = {each.name for each in fields(Shape)}
     for i, shape in enumerate(shapes):
         for key in shape:
@@ -285,10 +299,18 @@ def _fuzz(value: Mapping[str, Any]) -> Fuzz:
             Shape(**shape)
         except ConfigError as error:
             raise ConfigError(f"fuzz.shapes[{i}]: {error}") from error
-    events = value.get("events", 20_000)
-    if type(events) is not int or not 1 <= events <= 10**9:
-        raise ConfigError(f"fuzz.events = {events!r}: must be a whole number from 1 to 1000000000")
-    return Fuzz(modules, tuple(dict(shape) for shape in shapes), events)
+    return Fuzz(events, tuple(dict(shape) for shape in shapes))
+
+
+def _of_each(field_name: str, value: Any, modules: Sequence[str], most: int) -> dict[str, int]:
+    """Module -> number, of a number for all or of one for each."""
+    found = dict(value) if isinstance(value, Mapping) else dict.fromkeys(modules, value)
+    for module in found.keys() ^ set(modules):
+        raise ConfigError(f"fuzz.{field_name}.{module}: must be given for each of {', '.join(modules)}, and for no other")
+    for module, number in found.items():
+        if type(number) is not int or not 1 <= number <= most:
+            raise ConfigError(f"fuzz.{field_name} = {number!r} for {module}: must be a whole number from 1 to {most}")
+    return {module: found[module] for module in modules}
 
 
 def _check(spec: Spec) -> None:

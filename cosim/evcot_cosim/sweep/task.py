@@ -21,7 +21,7 @@ from evcot.trackers.settings import engine_settings
 
 from .fields import RTL
 
-__all__ = ["FUZZ", "Input", "Task", "canonical", "configuration", "tables_of"]
+__all__ = ["DRAWN", "FUZZ", "Input", "Task", "canonical", "configuration", "tables_of"]
 
 
 def tables_of(tables: Mapping[str, Any], engine: str) -> dict[str, Any]:
@@ -55,6 +55,7 @@ def configuration(
     return config, config.filters
 
 
+DRAWN = "shape.drawn"  # the setting of a task whose shape is random: its number
 FUZZ = "fuzz"  # the engine of a task that runs hardware and model on random registers, traffic and stalls
 
 

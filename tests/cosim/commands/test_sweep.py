@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
@@ -150,6 +151,10 @@ def test_fuzzing_writes_junit_and_ends_with_1_on_a_mismatch(
     assert main(["sweep", "fuzz.toml", "--jobs", "1", "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)
     assert summary["status"] == {"done": 3, "invalid": 2}, "a single tracker has one slot, motion a time of 32 bits"
+    array = summary["modules"]["cot_array"]
+    assert (array["shapes"], array["runs"], array["exact"], array["mismatches"], array["events"]) == (1, 3, 3, 0, 1_200)
+    assert main(["sweep", "fuzz.toml", "--jobs", "1"]) == 0
+    assert re.search(r"cot_array +1 +3 +3 +0 +1,200", capsys.readouterr().out)
     root = ElementTree.parse(made / "build" / "sweep" / "fuzz" / "junit.xml").getroot()
     assert (root.get("tests"), root.get("failures"), root.get("errors"), root.get("skipped")) == ("5", "0", "0", "2")
     run = [case for case in root.iter("testcase") if case.find("skipped") is None]
@@ -164,7 +169,11 @@ def test_fuzzing_writes_junit_and_ends_with_1_on_a_mismatch(
     monkeypatch.setattr(Lockstep, "feed", differs)
     monkeypatch.setattr("evcot_cosim.sweep.run.LocalPool", InThisProcess)
     assert main(["sweep", "fuzz.toml", "-o", "differs", "--json"]) == 1
-    assert json.loads(capsys.readouterr().out)["status"] == {"mismatch": 3, "invalid": 2}
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["status"] == {"mismatch": 3, "invalid": 2}
+    assert len(summary["tests"]) == 3
+    for test in summary["tests"]:
+        assert "assert run_case(Case(CONFIG, EVENTS" in (made / "differs" / test).read_text()
     root = ElementTree.parse(made / "differs" / "junit.xml").getroot()
     assert root.get("failures") == "3"
     failure = next(root.iter("failure"))

@@ -40,7 +40,7 @@ from evcot_cosim.devices.published_device import Top, rtl, simulation
 from evcot_cosim.devices.tracker import DeviceTracker
 from evcot_cosim.lockstep.cosim import run_cosim
 from evcot_cosim.lockstep.lockstep import Lockstep
-from evcot_cosim.lockstep.random_runs import random_motion_run, random_outlines
+from evcot_cosim.lockstep.random_runs import Design, random_case, random_outlines, run_case
 from evcot_cosim.rtl import build as building
 from evcot_cosim.waves.vcd import parse
 from support.filter_trials import FilterDevice
@@ -417,7 +417,7 @@ def test_a_shape_that_differs_in_what_motion_does_not_have_is_the_same_hardware(
 
 def test_random_runs_have_records_of_every_kind() -> None:
     shape = Shape(n_slots=8, x_w=7, y_w=7, tc_w=12)
-    lockstep = random_motion_run(shape, 7, 4_000)
+    lockstep = run_case(random_case(Design("cot_motion", shape), 7, 4_000))
     assert lockstep.events == 4_000
     assert lockstep.records > 0
     assert lockstep.latency.sum() <= lockstep.records

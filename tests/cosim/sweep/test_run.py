@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,6 @@ import pytest
 
 import evcot
 from evcot.errors import ConfigError, OutputError
-from evcot.hardware.modules import MODULES
 from evcot_cosim.sweep import machine
 from evcot_cosim.sweep.axes import Axis, axis_from, grid, latin, uniform
 from evcot_cosim.sweep.execute import execute
@@ -25,7 +25,7 @@ from evcot_cosim.sweep.metrics import METRICS
 from evcot_cosim.sweep.plan import Planner, points_of
 from evcot_cosim.sweep.playback import repeat
 from evcot_cosim.sweep.run import Swept, run_sweep
-from evcot_cosim.sweep.spec import Spec, read_spec, spec_from, spec_toml
+from evcot_cosim.sweep.spec import FUZZED, Spec, read_spec, spec_from, spec_toml
 from evcot_cosim.sweep.store import Store, read_rows
 from evcot_cosim.sweep.task import Task
 from support.sweeping import recorded
@@ -224,12 +224,42 @@ def test_a_sweep_has_a_limit_of_runs(folder: Path, monkeypatch: pytest.MonkeyPat
     """Runs, not points: of each input, engine and seed; a point that changes nothing for an engine makes no run of it."""
     runs = len(Planner(spec_of(folder)).plan(points_of(spec_of(folder))).tasks)
     fuzz = spec_from({"fuzz": {"events": 5}, "seeds": {"from": 1, "to": 50}}, folder, "fuzz")
-    for spec, most in ((spec_of(folder), runs), (fuzz, len(MODULES) * 50)):
+    for spec, most in ((spec_of(folder), runs), (fuzz, len(FUZZED) * 50)):
         for limit, is_refused in ((most - 1, True), (most, False)):
             monkeypatch.setattr("evcot_cosim.sweep.plan.RUNS_MAX", limit)
             planner = Planner(spec)
             with pytest.raises(ConfigError, match=f"runs: must be at most {limit:,}") if is_refused else nullcontext():
                 assert planner.plan(points_of(spec)) if spec.fuzz is None else planner.fuzz()
+
+
+@pytest.mark.parametrize(
+    ("fuzz", "why"),
+    [
+        ({"module": ["cot"]}, "fuzz: unknown field 'module': must be one of events, modules, shapes"),
+        ({"modules": ["cots"]}, "fuzz.modules: 'cots': must be one of cot, cot_chain, cot_array, cot_motion, evcot_top"),
+        ({"modules": ["cot"], "events": {"cot_array": 9}}, "must be given for each of cot, and for no other"),
+        ({"events": 0}, "fuzz.events = 0 for cot: must be a whole number from 1 to 1000000000"),
+        ({"shapes": 0}, "fuzz.shapes = 0 for cot: must be a whole number from 1 to 200000"),
+        ({"shapes": []}, "fuzz.shapes = []: must be a list of tables, one at least, or how many to draw"),
+        ({"shapes": [{"slots": 2}]}, "fuzz.shapes[0]: unknown field 'slots'"),
+        ({"shapes": [{"n_slots": 0}]}, "fuzz.shapes[0]: shape.n_slots = 0: must be an integer from 1 to 64"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(fuzz: dict[str, Any], why: str, folder: Path) -> None:
+    with pytest.raises(ConfigError) as refused:
+        spec_from({"fuzz": fuzz}, folder, "fuzz")
+    assert why in str(refused.value)
+
+
+def test_drawn_shapes_are_others_for_each_module_and_the_same_each_time(folder: Path, tmp_path: Path) -> None:
+    drawn = {"modules": ["cot_array", "evcot_top"], "shapes": {"cot_array": 3, "evcot_top": 2}, "events": 100}
+    spec = spec_from({"fuzz": drawn, "seeds": [1, 2]}, folder, "fuzz")
+    plan = Planner(spec).fuzz()
+    assert Counter(task.hardware for task in plan.tasks) == {"cot_array": 6, "evcot_top": 4}
+    assert plan.designs == 5
+    assert {task.key for task in plan.tasks} == {task.key for task in Planner(spec).fuzz().tasks}
+    (tmp_path / "again.toml").write_text(spec_toml(spec))
+    assert read_spec(str(tmp_path / "again.toml")).fuzz == spec.fuzz
 
 
 def test_a_specification_goes_round(folder: Path, tmp_path: Path) -> None:

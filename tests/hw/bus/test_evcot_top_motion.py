@@ -34,7 +34,8 @@ from evcot_cosim.devices.top_device import (
     slot_address,
     write,
 )
-from evcot_cosim.lockstep.random_runs import random_motion, random_outlines, rewritten
+from evcot_cosim.lockstep.random_runs import random_motion, random_outlines
+from evcot_cosim.lockstep.top_runs import rewritten
 from support.moving import QUICK, scene
 from support.top import BUILDS, device_of
 

@@ -21,6 +21,7 @@ from evcot.hardware.motion.model import MotionModel
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import StreamTimes, build_device
+from evcot_cosim.lockstep.random_runs import random_filters
 from support import moving
 from support.tokens import ticked
 from support.trials import bare_device, random_config, random_traffic
@@ -37,32 +38,6 @@ def enable(*filters: Filter) -> int:
     return sum(1 << which for which in filters)
 
 
-def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
-    """Filters that let much stay, so that there is something to track behind them."""
-    hot = {(int(x), int(y)) for x, y in zip(rng.integers(0, 60, 20), rng.integers(0, 50, 20), strict=True)}
-    return FilterRegisters(
-        enable=enabled,
-        region_x0=int(rng.integers(0, 8)),
-        region_x1=int(rng.integers(50, 64)),
-        region_y0=int(rng.integers(0, 8)),
-        region_y1=int(rng.integers(40, 64)),
-        polarity=int(rng.integers(2)),
-        refractory_ticks=int(rng.integers(1, 20)),
-        activity_ticks=int(rng.integers(20, 400)),
-        activity_support=1,
-        recent_ticks=int(rng.integers(20, 400)),
-        recent_radius=int(rng.integers(3, 15)),
-        recent_support=1,
-        decay_rate=int(rng.integers(1 << 12, 1 << 20)),
-        decay_epsilon=int(rng.integers(0, 20)),
-        decay_support=int(rng.integers(1, 60)),
-        rowcol_ticks=int(rng.integers(20, 400)),
-        rowcol_radius=int(rng.integers(3, 15)),
-        rowcol_support=1,
-        hot_pixels=tuple(sorted(hot)),
-    )
-
-
 @pytest.mark.parametrize(
     ("module", "enabled"),
     [
@@ -77,7 +52,7 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(module: Module, e
     built, kept, kinds = None, [], dict.fromkeys(Kind, 0)
     for run in range(4):
         rng = np.random.default_rng([7, run, enabled])
-        config = replace(random_config(rng, SHAPE, module), filters=random_filters(rng, enabled), filter_shape=SENSOR)
+        config = replace(random_config(rng, SHAPE, module), filters=random_filters(rng, SENSOR, enabled), filter_shape=SENSOR)
         built = built or build_device(config, waves=False)
         device = bare_device(config, model=built, stalls=Stalls.random(rng) if run % 3 else None)
         model = CotModel(config)
@@ -100,7 +75,7 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(module: Module, e
 def test_clocks_with_and_without_a_waveform_are_the_same(module: Module, tmp_path: Path) -> None:
     """A waveform needs whole evaluations at both edges; without one the drive takes a shorter way."""
     rng = np.random.default_rng(8)
-    config = replace(random_config(rng, SHAPE, module), filters=random_filters(rng, 255), filter_shape=SENSOR)
+    config = replace(random_config(rng, SHAPE, module), filters=random_filters(rng, SENSOR, 255), filter_shape=SENSOR)
     built, traffic = build_device(config, waves=False), random_traffic(rng, SHAPE, 2_000, 0.3, 0)
     stalls = Stalls.random(rng)
     short, whole = (bare_device(config, model=built, stalls=stalls) for _ in range(2))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -121,13 +121,23 @@ def _only(options: argparse.Namespace) -> int:
     return MISMATCH if result.differences or result.row["status"] == DIFFERS else 0
 
 
+def _suite(name: str, own: Mapping[str, int], columns: Sequence[str]) -> tuple[str, ...]:
+    return name, *(f"{own[column]:,}" for column in columns)
+
+
 def _print(spec: Spec, found: Swept, summary: dict[str, Any]) -> None:
     states = ", ".join(f"{number:,} {status}" for status, number in sorted(found.counts.items()))
     print(f"{count(found.runs, 'run')}: {states}; {found.new:,} now")
     for fault in summary["faults"][:_LISTED]:
         print(f"evcot: {fault['key']}: {fault['status']}: {fault['error']}", file=sys.stderr)
+    for test in summary["tests"]:
+        print(f"evcot: {found.folder}/{test}: fails, with as few events as were found", file=sys.stderr)
     if len(summary["faults"]) > _LISTED:
         print(f"evcot: and {len(summary['faults']) - _LISTED:,} more: docs/sweeps.md has the query", file=sys.stderr)
+    if summary["modules"]:
+        columns = ("shapes", "runs", "exact", "mismatches", "events", "records")
+        print()
+        print_table([("module", *columns), *(_suite(name, own, columns) for name, own in summary["modules"].items())])
     if summary["best"]:
         print()
         print_table(leaders(spec, summary["best"][:_LISTED]))

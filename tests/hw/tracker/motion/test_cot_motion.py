@@ -19,7 +19,7 @@ from evcot.trackers.presets import PRESETS, fit
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import build_device
-from evcot_cosim.lockstep.random_runs import random_motion, random_motion_run
+from evcot_cosim.lockstep.random_runs import Design, random_case, random_motion, run_case
 from support.logs import Square, bursts
 from support.moving import LEAVES, QUICK, SHAPE, VARIANTS, leaves, scene
 from support.testing import lint
@@ -54,7 +54,8 @@ def test_scenes_in_which_objects_meet(name: str) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_random_registers_and_traffic(shape: Shape, seed: int) -> None:
     model = build_device(random_motion(np.random.default_rng(0), shape), waves=False)
-    random_motion_run(shape, 100 * shape.n_slots + seed, 8_000 if shape.n_slots < 16 else 3_000, model)
+    events = 8_000 if shape.n_slots < 16 else 3_000
+    run_case(random_case(Design("cot_motion", shape), 100 * shape.n_slots + seed, events), model)
 
 
 @pytest.mark.parametrize("step_ms", [5, 20, 100, 200])
