@@ -23,7 +23,7 @@ COMMANDS = (
 TAKE = (  # clocks of motion_pair.v, motion_meeting.v and motion_times.v, more or less; motion_merge.v takes longer
     ("c_compare", "pair", 21, 22), ("c_ask", "meet", 10, 10 + N), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
 )  # fmt: skip
-MEET_ALL = (("c_compare", "pair", 23, 24), ("c_ask", "meet", 9 + N, 10 + N), *TAKE[2:])  # as long as with N slots in use
+MEET_ALL = (("c_compare", "pair", 23, 24), ("c_ask", "meet", 10 + N, 11 + N), *TAKE[2:])  # as long as with N slots in use
 Pairs = dict[tuple[int, int], bool]
 
 
@@ -265,7 +265,7 @@ def test_random_steps(stalls: bool) -> None:
     assert min(seen.get(name, 0) for name in (*COMMANDS, "leave", "resume")) > 2, seen
 
 
-def test_steps_take_the_clocks_of_the_header() -> None:
+def test_steps_of_candidates_take_the_stated_clocks() -> None:
     sim = load("motion_step", {"N": N, "SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS)
     rng = np.random.default_rng(3)
     control = Around(sim, rng, COMMANDS, TO_SIDES)
@@ -282,5 +282,5 @@ def test_steps_take_the_clocks_of_the_header() -> None:
         run(control, step, rng, MEET_ALL)
         took.append(control.clocks - begun)
     before_and_after = 2  # clocks of run() that are not of the step
-    lives = 45 + N - 1
+    lives = 46 + N - 1
     assert [clocks - before_and_after for clocks in took] == [20, lives, lives + 30 + 4, lives + 60 + 4]
