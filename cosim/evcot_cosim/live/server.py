@@ -40,7 +40,7 @@ from .session import Session, Step
 __all__ = ["Page", "Server", "page"]
 
 
-_OWN = ("protocol", "trails", "figures", "choice", "main")  # in the order in which they need each other
+_OWN = ("protocol", "rail", "main")  # in the order in which they need each other
 
 
 @dataclass(frozen=True)

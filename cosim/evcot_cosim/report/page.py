@@ -32,12 +32,9 @@ from .pack import EVENTS_MAX, LIVES_MAX, RECORDS_MAX, Packed, pack
 __all__ = ["MODULES", "SCREEN", "inline_modules", "inline_styles", "render", "write_report"]
 
 # What the pages of a run and of a live tracker share: the picture, the colours, and the window's panes.
-SCREEN = ("surface", "stage", "pointer", "theme", "panes", "keys")
+SCREEN = ("surface", "stage", "theme", "panes")
 # In the order in which they need each other.
-MODULES = (
-    "columns", *SCREEN, "clock", "tracks", "objects", "recording", "steps", "axis", "timeline", "list", "card", "agreement",
-    "main",
-)  # fmt: skip
+MODULES = ("columns", *SCREEN, "tracks", "clock", "timeline", "list", "agreement", "main")
 
 _TEXT_MAX = 3_700_000  # characters of packed columns
 _GOING = 0.15  # of the recording: after that there is something to see

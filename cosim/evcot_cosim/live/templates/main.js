@@ -1,6 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // Received frames are drawn at the next animation frame and acknowledged; without a server the page reconnects by itself.
 
+const POINTS_MAX = 400; // of a trail
+
+const key = (lane, id) => lane * 2 ** 32 + id;
+
+/** Recent positions of each cluster. */
+class Trails {
+  constructor() {
+    this.byId = new Map();
+  }
+
+  /** Add a frame's clusters; trails of clusters that are no longer visible are removed. */
+  add(clusters) {
+    const now = new Map();
+    for (const { id, lane, x, y } of clusters) {
+      const trail = this.of(lane, id) ?? [];
+      const n = trail.length;
+      if (!n || Math.hypot(trail[n - 2] - x, trail[n - 1] - y) > 0.5) trail.push(x, y);
+      if (trail.length > 2 * POINTS_MAX) trail.splice(0, trail.length - 2 * POINTS_MAX);
+      now.set(key(lane, id), trail);
+    }
+    this.byId = now;
+  }
+
+  of(lane, id) {
+    return this.byId.get(key(lane, id)) ?? null;
+  }
+}
+
 const RECONNECT_MS = [500, 1000, 2000, 4000];
 const TABLE_MS = 250;
 const ENDED = "ended; a new run at this address is shown by itself";

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Entry point of the page: one clock, one selection, and all views of them.
 import { drawStrip, listCover, listDifferences } from "./agreement.js";
-import { Axis } from "./axis.js";
-import { Card } from "./card.js";
-import { Clock, Transport } from "./clock.js";
-import { listenToKeys } from "./keys.js";
-import { ObjectList } from "./list.js";
-import { Objects } from "./objects.js";
-import { listenToMenus, listenToSplitters, tabbed } from "./panes.js";
-import { zoomable } from "./pointer.js";
-import { Recording } from "./recording.js";
-import { Stage } from "./stage.js";
-import { Steps } from "./steps.js";
+import { Axis, Clock, Steps, Transport } from "./clock.js";
+import { Card, ObjectList } from "./list.js";
+import { listenToKeys, listenToMenus, listenToSplitters, tabbed } from "./panes.js";
+import { Objects, Recording, Tracks } from "./tracks.js";
+import { Stage, zoomable } from "./stage.js";
 import { objectColour, readTheme, watchTheme } from "./theme.js";
 import { Timeline } from "./timeline.js";
-import { Tracks } from "./tracks.js";
 import { unpack } from "./columns.js";
 
 const PANEL_MS = 125; // between two updates of the panel while playing
