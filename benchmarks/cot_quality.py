@@ -4,6 +4,9 @@
 Recordings: the real motorway as a whole and in halves, of which the first tuned the preset (validation); simulated motorways
 and discs of other seeds (test). The preset for the sensor, which nobody tuned, and the software tracker are scored as well.
 `python benchmarks/cot_quality.py` prints the tables of docs/defaults.md.
+
+`what_if` gives the limits of a tracker: its HOTA if one kind of error were corrected and all others remained. Pairs are those
+that CLEAR matches at HOTA's lowest threshold. Each figure bounds what mending that one thing could bring.
 """
 
 from __future__ import annotations
@@ -14,13 +17,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from evcot.events import Recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
+from evcot.hardware.contract import RECORD
+from evcot.hardware.golden import to_track_records
+from evcot.hardware.golden import track as track_model
 from evcot.metrics import Scores, evaluate, load_rule, read_truth
 from evcot.metrics.frames import Frames, line_up
+from evcot.metrics.mot import THRESHOLDS, clear, hota
 from evcot.metrics.rule import Rule
 from evcot.metrics.truth import GroundTruth, ground_truth_of
 from evcot.recordings.files import read_recording
@@ -30,12 +38,89 @@ from evcot.trackers.presets import fit, for_sensor, preset
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
 from evcot.tracks.log_parts import sampled
-from exact import cot_log
+from evcot_cosim.devices.device import build_device
+from evcot_cosim.lockstep.lockstep import Lockstep, chunks
 from measure import Result, heading, line
 from shared import SHARED
-from what_if import WHAT_IF, what_if
 
-__all__ = ["ENGINES", "Case", "between", "cases", "measure", "score", "simulated"]
+__all__ = ["ENGINES", "WHAT_IF", "Case", "between", "cases", "cot_log", "measure", "score", "simulated", "what_if"]
+
+WHAT_IF = ("as it is", "every track on its object's centre", "no switch", "no false track", "no object missed")
+
+_Pair = tuple[NDArray[np.int64], NDArray[np.int64]]
+
+
+def what_if(frames: Frames) -> dict[str, float]:
+    """HOTA for each of `WHAT_IF`."""
+    pairs = list(_pairs(frames))
+    variants = (frames, _placed(frames, pairs), _named(frames, pairs), _true(frames, pairs), _complete(frames, pairs))
+    return {name: hota(variant).hota for name, variant in zip(WHAT_IF, variants, strict=True)}
+
+
+def _pairs(frames: Frames) -> Iterator[_Pair]:
+    """Per instant, the rows of matched objects and the columns of their tracks."""
+    matches = clear(frames, float(THRESHOLDS[0])).matches
+    cuts = np.searchsorted(matches.frame, np.arange(1, len(frames.truth)))
+    of_frames = zip(np.split(matches.truth, cuts), np.split(matches.track, cuts), strict=True)
+    for objects, tracks, (own_objects, own_tracks) in zip(frames.truth, frames.tracks, of_frames, strict=True):
+        yield _places(objects, own_objects), _places(tracks, own_tracks)
+
+
+def _places(numbers: NDArray[np.int64], wanted: NDArray[np.int64]) -> NDArray[np.int64]:
+    order = np.argsort(numbers)
+    return np.asarray(order[np.searchsorted(numbers, wanted, sorter=order)], np.int64)
+
+
+def _placed(frames: Frames, pairs: list[_Pair]) -> Frames:
+    similarity = tuple(one.copy() for one in frames.similarity)
+    for one, pair in zip(similarity, pairs, strict=True):
+        one[pair] = 1
+    return replace(frames, similarity=similarity)
+
+
+def _named(frames: Frames, pairs: list[_Pair]) -> Frames:
+    """Tracks have their object's number while they are matched, and their own, moved up, while they are not."""
+    tracks = tuple(own + frames.n_truth for own in frames.tracks)
+    for own, objects, (row, column) in zip(tracks, frames.truth, pairs, strict=True):
+        own[column] = objects[row]
+    return replace(frames, tracks=tracks, n_tracks=frames.n_tracks + frames.n_truth)
+
+
+def _true(frames: Frames, pairs: list[_Pair]) -> Frames:
+    columns = [np.sort(column) for _, column in pairs]
+    return replace(
+        frames,
+        tracks=tuple(own[column] for own, column in zip(frames.tracks, columns, strict=True)),
+        similarity=tuple(one[:, column] for one, column in zip(frames.similarity, columns, strict=True)),
+    )
+
+
+def _complete(frames: Frames, pairs: list[_Pair]) -> Frames:
+    """Objects do not count where nobody tracks them."""
+    rows = [np.sort(row) for row, _ in pairs]
+    return replace(
+        frames,
+        truth=tuple(own[row] for own, row in zip(frames.truth, rows, strict=True)),
+        similarity=tuple(one[row] for one, row in zip(frames.similarity, rows, strict=True)),
+    )
+
+
+def cot_log(recording: Recording, config: RunConfig, *, rtl: bool = True) -> TrackLog:
+    """The hardware tracker's log of a recording of at least one event; without `rtl`, that of the golden model alone.
+
+    Raises:
+        MismatchError: hardware and model differ.
+    """
+    cot = config.device_config(recording.width, recording.height)
+    if not rtl:
+        return track_model(recording, cot)
+    events = recording.events
+    with Lockstep(cot, model=build_device(cot, waves=False)) as lockstep:
+        steps = [lockstep.feed(run).hardware for run in chunks(events)]
+    raw = np.concatenate([np.empty(0, RECORD), *(step.records for step in steps)])
+    records = to_track_records(raw, cot, events.t_us, 0, int(events.t_us[0]))
+    return TrackLog(cot.module, records, np.concatenate([step.owner for step in steps]))
+
 
 _TRUTH_STEP_US = 20_000
 _SEEDS = (11, 12, 13)  # the presets were tuned on others

@@ -34,16 +34,24 @@ import numpy as np
 from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 from field import Absent, Entry, Member, entries
-from field.choose import Choice, left_out
-from field.contenders import Contender, contenders, more_settings, varied_default
+from field.contenders import Contender, contenders, more_settings, oracle_log, varied_default
 from field.draws import FIXED, LOST, drawn
 from field.member import FOLDER
-from field.oracle import oracle_log
 from field.peers import remot_log
 from field.recorded import RECORDED, reference_of
 from field.reference import REFERENCE
 from field.scoring import prepared, score, score_log
-from field.table import Scored, by_family, picture, print_differences, print_families, print_members, print_table
+from field.table import (
+    Choice,
+    Scored,
+    by_family,
+    left_out,
+    picture,
+    print_differences,
+    print_families,
+    print_members,
+    print_table,
+)
 from field.traffic import traffic
 
 _FINALS = FOLDER / "finals.json"  # which seed sets have been used for a last table

@@ -18,8 +18,7 @@ from evcot.metrics.mot import clear
 from evcot.metrics.rule import load_rule
 from evcot.metrics.sampling import positions
 from evcot.metrics.truth import OBJECT, GroundTruth
-from evcot.scenes.scene import Scene
-from evcot.scenes.truth import Box
+from evcot.scenes.truth import Box, Scene
 from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.timeline import expiring, sample
 

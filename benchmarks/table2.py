@@ -21,14 +21,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from cot_quality import cot_log
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Shape
 from evcot.scenes.boxes import BoxExperiment, simulate
-from evcot.scenes.scene import Scene
+from evcot.scenes.truth import Scene
 from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import fit, preset
 from evcot.tracks.log import Kind, TrackLog
-from exact import cot_log
 from following import follow
 from measure import Result, heading, line
 

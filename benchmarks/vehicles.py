@@ -18,8 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.recognition.size_speed import inputs_of
-from evcot.recognition.size_speed_training import fitted_size_speed, verdicts_of
-from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, registers_for, train, windows_of
+from evcot.recognition.training import (
+    UNLABELLED,
+    LabelledWindows,
+    fitted_size_speed,
+    label_windows,
+    registers_for,
+    train,
+    verdicts_of,
+    windows_of,
+)
 from evcot.recognition.weights import Weights
 from evcot.scenes.registry import simulate_scene
 from evcot.scenes.truth import ObjectClass

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from evcot.events import Events, Recording
 from evcot.metrics.truth import OBJECT, GroundTruth
 from field.member import TRUTH_STEP_US, Absent, Entry, Member, scene_rule
-from field.paths import Bouncing
+from field.second import Bouncing
 from field.transforms import merged, poisson_noise
 from shared import SHARED
 

@@ -25,16 +25,14 @@ from evcot.scenes.shapes import KIND, QUADRANGLE, X, Y
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from field import digits, recorded, second, traffic
 from field import member as field_member
-from field.choose import left_out
-from field.contenders import Contender, contenders, more_settings
+from field.contenders import Contender, contenders, more_settings, oracle_log
 from field.hard import without_faint
 from field.member import Absent, Entry, Member, nothing_there, scene_rule
-from field.oracle import oracle_log
-from field.paths import Bouncing
 from field.reference import SEEN, Scale, reference
 from field.scoring import PACKET_US, Score, run, score, score_log
+from field.second import Bouncing
 from field.simulated import with_grass
-from field.table import Scored
+from field.table import Scored, left_out
 from field.transforms import (
     at_speed,
     backwards,

@@ -12,7 +12,7 @@ import pytest
 
 import cot_quality
 import quality
-from cot_quality import Case
+from cot_quality import WHAT_IF, Case, what_if
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.metrics import load_rule
@@ -21,7 +21,6 @@ from evcot.metrics.truth import OBJECT, GroundTruth
 from evcot.trackers.adaptive.config import AdaptiveConfig
 from evcot.trackers.adaptive.tracker import AdaptiveTracker
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from what_if import WHAT_IF, what_if
 
 
 def case() -> Case:

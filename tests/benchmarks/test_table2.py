@@ -11,7 +11,7 @@ import pytest
 import following
 import table2
 from evcot.scenes.boxes import BoxExperiment, simulate
-from evcot.scenes.scene import Scene
+from evcot.scenes.truth import Scene
 from evcot.tracks.log import TRACK, Kind, TrackLog
 
 LIFETIME_US = 20_000

@@ -251,7 +251,7 @@ def test_a_turned_box_has_turned_corners(node_module: ModuleType) -> None:
 
     row = np.zeros(1, TRACK)
     row["x"], row["y"], row["width"], row["height"], row["angle"] = 9.5, 19.5, 8, 4, np.pi / 2
-    made = importlib.import_module("evcot_ros.markers").markers(Clusters(row, np.zeros(1, np.int64)), header(0))
+    made = importlib.import_module("evcot_ros.messages").markers(Clusters(row, np.zeros(1, np.int64)), header(0))
     corners = [(round(100 * point.x, 9), round(100 * point.y, 9)) for point in made.markers[1].points]
     assert corners == [(12, 16), (12, 24), (8, 24), (8, 16), (12, 16)]
 

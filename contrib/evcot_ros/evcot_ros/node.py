@@ -21,8 +21,7 @@ from evcot.tracks.tracking import Tracker
 from evcot_cosim.live.session import Session
 from evcot_cosim.live.tracker_thread import warm_up
 
-from .detections import detections
-from .markers import markers
+from .messages import detections, markers
 from .topic import TopicSource
 
 __all__ = ["TrackNode", "main"]

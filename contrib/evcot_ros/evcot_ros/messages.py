@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clusters as `visualization_msgs/MarkerArray`, for RViz."""
+"""Clusters as `vision_msgs/Detection2DArray`, and as `visualization_msgs/MarkerArray` for RViz."""
 
 from __future__ import annotations
 
@@ -7,17 +7,41 @@ import math
 from typing import Any
 
 from geometry_msgs.msg import Point
+from vision_msgs.msg import Detection2D, Detection2DArray, ObjectHypothesisWithPose
 from visualization_msgs.msg import Marker, MarkerArray
 
 from evcot.tracks.formats.foxglove import COLOURS
 from evcot_cosim.live.visible_clusters import Clusters
 
-__all__ = ["METRES_PER_PX", "markers"]
+__all__ = ["CLASS_ID", "METRES_PER_PX", "detections", "markers"]
+
+CLASS_ID = "object"  # trackers of events know no classes
+_EDGE = 0.5  # messages and pictures count from the corner of the first pixel, evcot from its middle
+
+
+def detections(clusters: Clusters, header: Any) -> Any:
+    """A message with one detection a visible cluster: its box in pixels, turned by `theta`, its track id and its confidence.
+
+    Args:
+        header: of the message and of every detection in it: the camera's frame, and the time of its newest packet.
+    """
+    array = Detection2DArray(header=header)
+    for state in clusters.states:
+        detection = Detection2D(header=header, id=str(int(state["track_id"])))
+        box = detection.bbox
+        box.center.position.x, box.center.position.y = float(state["x"]) + _EDGE, float(state["y"]) + _EDGE
+        box.center.theta = float(state["angle"])
+        box.size_x, box.size_y = float(state["width"]), float(state["height"])
+        hypothesis = ObjectHypothesisWithPose()
+        hypothesis.hypothesis.class_id, hypothesis.hypothesis.score = CLASS_ID, float(state["confidence"])
+        detection.results.append(hypothesis)
+        array.detections.append(detection)
+    return array
+
 
 METRES_PER_PX = 0.01
 """Size of a pixel in RViz: a sensor of 346 x 260 pixels is 3.46 m wide."""
 
-_EDGE = 0.5  # the picture begins at the corner of the first pixel, evcot counts from its middle
 _LINE_PX, _TEXT_PX = 0.8, 8.0
 
 
