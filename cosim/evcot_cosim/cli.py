@@ -16,7 +16,17 @@ from typing import Any
 import evcot
 from evcot.errors import EvcotError, RecordingWarning, reason_of
 
-from .commands.parsing import MISMATCH, USER_ERROR, HelpFormatter, Parser, claims_of, say, say_error, writes_standard_output
+from .commands.parsing import (
+    MISMATCH,
+    USER_ERROR,
+    HelpFormatter,
+    Parser,
+    add_command,
+    claims_of,
+    say,
+    say_error,
+    writes_standard_output,
+)
 from .lockstep.mismatch import MismatchError
 from .standard_streams import as_file, begin_command
 
@@ -43,6 +53,12 @@ _EXAMPLES = """examples:
   evcot evaluate log.npz --truth highway.truth.csv
 
 `evcot COMMAND -h` shows the options of a command, and more examples.
+"""
+
+_COMPLETION_EXAMPLES = """
+eval "$(evcot completion bash)"                  # in ~/.bashrc
+evcot completion zsh > ~/.zfunc/_evcot           # a folder of zsh's fpath
+evcot completion fish > ~/.config/fish/completions/evcot.fish
 """
 
 
@@ -112,5 +128,12 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     for adds in [_ADDED_BY[command]] if command else dict.fromkeys(_ADDED_BY.values()):
         resolve_name(f"{__package__}.commands.{adds}")(commands)
     if command is None:
-        resolve_name(f"{__package__}.commands.completion:add")(commands, whole)
+        _add_completion(commands, whole)
     return whole
+
+
+def _add_completion(commands: Any, whole: argparse.ArgumentParser) -> None:
+    """Add `evcot completion`: print the script with which a shell completes commands, options, values and file names."""
+    completion = add_command(commands, "completion", "print a shell's completion script", _COMPLETION_EXAMPLES)
+    completion.add_argument("shell", choices=("bash", "zsh", "fish"), metavar="SHELL", help="bash, zsh or fish")
+    completion.set_defaults(whole=whole)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 
-from evcot.pictures.films.look import SUFFIXES, Look
+from evcot.pictures.films import SUFFIXES, Look
 from evcot.pictures.style import COLUMN_MM, KINDS
 
 from .options import tracked_options

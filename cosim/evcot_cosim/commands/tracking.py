@@ -8,7 +8,7 @@ from typing import Any
 
 from evcot.metrics import RULES
 from evcot.trackers.engines import DEFAULT, ENGINES
-from evcot.tracks.suffixes import CSV, LOG_SUFFIXES
+from evcot.tracks import CSV, LOG_SUFFIXES
 
 from ..live import PORT
 from .options import (

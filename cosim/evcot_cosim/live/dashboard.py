@@ -22,9 +22,9 @@ from rich.table import Table
 from rich.text import Text
 
 from evcot.recordings.formats.source import Sensor
-from evcot.tracks.boxes import upright_sides
+from evcot.tracks.record import upright_sides
 
-from .frame import Frame, FrameMaker
+from .messages import Frame, FrameMaker
 from .player import Player, Run
 from .session import Session
 from .visible_clusters import Clusters

@@ -31,8 +31,7 @@ from evcot.templating import templates
 
 from ..report.page import SCREEN, inline_modules, inline_styles
 from . import PORT
-from .frame import FrameMaker
-from .messages import drawn_number, pack_frame, wish_in
+from .messages import FrameMaker, drawn_number, pack_frame, wish_in
 from .player import Player, Run
 from .queues import Waiting
 from .session import Session, Step

@@ -20,13 +20,13 @@ import evcot
 from evcot.errors import TrackLogError
 from evcot.events import Recording
 from evcot.outputs import folder_written_aside
+from evcot.tracks import PARQUET
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import Kind
 from evcot.tracks.log_files import Extent, save_log
 from evcot.tracks.log_parts import in_step, runs_of
 from evcot.tracks.npz import NpzFile
 from evcot.tracks.parquet import LogFile, check_parquet
-from evcot.tracks.suffixes import PARQUET
 
 from ..lockstep.cosim import near_px, stalls_from
 from ..lockstep.long import LongRun

@@ -17,8 +17,7 @@ from evcot_cosim.fpga.catalogue import MODULES, Module
 from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import load, save
 from evcot_cosim.fpga.interface import Port, harness_text, ports
-from evcot_cosim.fpga.measure import Case, _failure, place, synthesise
-from evcot_cosim.fpga.run import figures_of, synthesised
+from evcot_cosim.fpga.measure import Case, _failure, figures_of, place, synthesise, synthesised
 from evcot_cosim.rtl.files import copy_rtl, modules
 
 try:

@@ -14,9 +14,9 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 from evcot.errors import ConfigError
-from evcot_cosim.fpga import cli
+from evcot_cosim.fpga import __main__ as cli
+from evcot_cosim.fpga.__main__ import recorded_rows
 from evcot_cosim.fpga.catalogue import MODULES
-from evcot_cosim.fpga.cli import recorded_rows
 from evcot_cosim.fpga.curves import draw
 from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import Figure, Figures, growths, load, save, seed_noise

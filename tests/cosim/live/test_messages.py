@@ -18,8 +18,7 @@ from evcot.trackers.rct.config import PRESETS
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import DROPPED, TRACK, Kind
 from evcot.tracks.timeline import sample
-from evcot_cosim.live.frame import FrameMaker
-from evcot_cosim.live.messages import drawn_number, pack_frame, wish_in
+from evcot_cosim.live.messages import FrameMaker, drawn_number, pack_frame, wish_in
 from evcot_cosim.live.player import Wish
 from evcot_cosim.live.queues import Arrival, Latency, Taken, Waiting
 from evcot_cosim.live.session import Step

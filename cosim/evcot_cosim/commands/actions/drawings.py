@@ -13,9 +13,8 @@ from pathlib import Path
 
 from evcot.errors import ConfigError
 from evcot.events import Events
-from evcot.pictures.films import Look, render, side_of
+from evcot.pictures.films import RERUN, Look, render, side_of
 from evcot.pictures.films.film import check_suffix, picture_times
-from evcot.pictures.films.look import RERUN
 from evcot.pictures.plots import Log, Material, density, plot
 from evcot.pictures.style import COLUMN_MM
 from evcot.recordings.formats.source import Sensor

@@ -10,11 +10,10 @@ from pathlib import Path
 
 from evcot.api import evaluate
 from evcot.errors import ConfigError, TrackLogError
-from evcot.metrics.classes import ClassScores
-from evcot.metrics.scores import Scores
+from evcot.metrics.scores import ClassScores, Scores
+from evcot.tracks import PARQUET
 from evcot.tracks.log import TrackLog
 from evcot.tracks.parquet import LogFile
-from evcot.tracks.suffixes import PARQUET
 
 from ...standard_streams import as_file
 from ...tables import print_table

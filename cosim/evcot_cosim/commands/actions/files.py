@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from evcot.errors import EvcotError, RecordingError, TrackLogError
 from evcot.events import Events
+from evcot.tracks import PARQUET
 from evcot.tracks.log import TrackLog
 from evcot.tracks.log_files import Extent, RecordRuns, check_belongs
-from evcot.tracks.suffixes import PARQUET
 
 from ...rtl.files import code_fingerprint
 from ...standard_streams import as_file

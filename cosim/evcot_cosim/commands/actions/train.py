@@ -14,8 +14,15 @@ import numpy as np
 from evcot.errors import ConfigError, TrackLogError
 from evcot.hardware.config import MotionConfig
 from evcot.hardware.modules import DEFAULT_MODULE
-from evcot.recognition.size_speed_training import fitted_size_speed
-from evcot.recognition.training import UNLABELLED, LabelledWindows, label_windows, registers_for, train, windows_of
+from evcot.recognition.training import (
+    UNLABELLED,
+    LabelledWindows,
+    fitted_size_speed,
+    label_windows,
+    registers_for,
+    train,
+    windows_of,
+)
 from evcot.trackers.presets import fit
 from evcot.trackers.settings import engine_settings
 from evcot.tracks.formats.base import Boxes
