@@ -57,8 +57,7 @@ if TYPE_CHECKING:
     from .recordings.files import read_recording as read
     from .recordings.files import write_recording as write
     from .scenes.registry import SCENES
-    from .scenes.scene import Scene
-    from .scenes.truth import Truth
+    from .scenes.truth import Scene, Truth
     from .structured import EVENT_CD
     from .ticks import TickedEvents
     from .trackers.config import RunConfig
@@ -183,8 +182,7 @@ __getattr__, __dir__ = _lazily(
             "RecordingFile", "open_recording", "read_recording as read", "write_events", "write_recording as write",
         ),
         "scenes.registry": ("SCENES",),
-        "scenes.scene": ("Scene",),
-        "scenes.truth": ("Truth",),
+        "scenes.truth": ("Scene", "Truth"),
         "structured": ("EVENT_CD",),
         "ticks": ("TickedEvents",),
         "trackers.config": ("RunConfig",),

@@ -20,8 +20,7 @@ from .metrics.scores import evaluate as score
 from .metrics.truth import GroundTruth, ground_truth_of, read_truth, rule_for
 from .recordings.formats.source import Sensor
 from .scenes.registry import simulate_scene
-from .scenes.scene import Scene
-from .scenes.truth import Truth
+from .scenes.truth import Scene, Truth
 from .trackers.config import RunConfig
 from .trackers.engines import DEFAULT, ENGINES
 from .trackers.settings import changed, engine_settings

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples of hw/fpga/examples, whole: set up by configure.py over AXI4-Lite, fed as by their cameras; records come out."""
+"""The examples of hw/fpga/examples, whole: set up by configure.py over AXI4-Lite, fed as by their cameras; records come out.
+
+cocotb_evcot.py has evcot_top in a cocotb test in Icarus, with the golden model as its reference.
+"""
 
 from __future__ import annotations
 
 import importlib.util
 import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
@@ -20,7 +26,9 @@ from evcot.hardware.register_access import Registers
 from evcot.tracks.log import Kind
 from evcot_cosim.fpga.catalogue import MODULES
 from evcot_cosim.rtl.build import load
-from evcot_cosim.rtl.files import copy_rtl
+from evcot_cosim.rtl.files import copy_rtl, verilog_dir
+from support.four_state import needs_icarus
+from support.testing import broken_copy
 
 EXAMPLES = Path(__file__).parents[2] / "hw" / "fpga" / "examples"
 PIXELS = [(100 + int(dx), 60 + int(dy)) for dx, dy in np.random.default_rng(1).integers(-5, 6, (400, 2))]
@@ -183,3 +191,31 @@ def test_prophesees_pipeline_is_tracked(example: ModuleType, tmp_path: Path) -> 
     board.camera = prophesee(board.sim)
     board.clock(len(PIXELS) * 8)
     board.check(registers)
+
+
+needs_cocotb = pytest.mark.skipif(find_spec("cocotb") is None, reason="cocotb is not installed: pip install 'evcot[test]'")
+
+
+def run_cocotb(folder: Path, verilog: Path) -> tuple[int, str]:
+    """Exit code of cocotb_evcot.py, and what it prints."""
+    command = [sys.executable, str(EXAMPLES / "cocotb_evcot.py"), str(verilog)]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+@needs_icarus
+@needs_cocotb
+def test_the_rtl_passes_in_cocotb(tmp_path: Path) -> None:
+    code, printed = run_cocotb(tmp_path, verilog_dir())
+    assert code == 0, printed
+    assert "as the golden model has them" in printed
+    assert "TESTS=1 PASS=1 FAIL=0" in printed
+
+
+@needs_icarus
+@needs_cocotb
+def test_a_fault_in_the_rtl_fails_in_cocotb(tmp_path: Path) -> None:
+    right = "assign m_axis_tdata = word;"
+    code, printed = run_cocotb(tmp_path, broken_copy(tmp_path / "rtl", "axis_passed_out.v", right, right.replace(";", " ^ 1;")))
+    assert code == 1, printed
+    assert "m_axis_passed: beat 0 is 0x" in printed

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.hardware.contract import Shape
-from evcot.hardware.motion.contract import MotionRegisters
+from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
+from evcot.hardware.registers import motion_addresses
 from evcot.ticks import TickedEvents
 
-__all__ = ["LEAVES", "PLAIN", "QUICK", "SHAPE", "VARIANTS", "leaves", "scene"]
+__all__ = ["LEAVES", "PLAIN", "QUICK", "SHAPE", "VARIANTS", "leaves", "registers_word", "scene"]
 
 SHAPE = Shape(n_slots=5, x_w=7, y_w=6, sup_w=9, id_w=3, radix_w=5)
 PLAIN = MotionRegisters(
@@ -95,3 +96,13 @@ def leaves(lost_tick: int) -> TickedEvents:
     columns = zip(moving(0, 2_000, 30.0), still, moving(lost_tick + 1_000, 2_000, 90.0), strict=True)
     ticks, x, y = (np.rint(np.concatenate(column)).astype(np.int64) for column in columns)
     return TickedEvents(ticks, x.astype(np.uint16), y.astype(np.uint16), np.zeros(len(ticks), np.uint8))
+
+
+def registers_word(registers: MotionRegisters) -> int:
+    """All registers, the first one in the lowest bits."""
+    word = at = 0
+    for name in motion_addresses():
+        if name != "mode":
+            word |= getattr(registers, name) << at
+            at += int(MOTION_RANGES[name][1]).bit_length()
+    return word

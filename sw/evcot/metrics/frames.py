@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tracks.boxes import upright_sides
+from ..tracks.record import upright_sides
 from .rule import Rule
 from .truth import GroundTruth
 

@@ -18,8 +18,8 @@ from matplotlib.transforms import blended_transform_factory
 from numpy.typing import NDArray
 
 from ..events import Events, Recording
-from ..tracks.boxes import box_corners
 from ..tracks.log import Kind, TrackLog
+from ..tracks.record import box_corners
 from ..tracks.timeline import OPEN, alive, sample
 from .style import INK
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..hardware.classifier import CELLS, CLASSES_MAX, HIDDEN, RAW_VERDICT, RecognitionRegisters
-from ._votes import judge
-from ._windows import FIELD_COUNT, FRESH, GLOBAL_COUNT, fill
+from ._windows import FIELD_COUNT, FRESH, GLOBAL_COUNT, fill, judge
 
 __all__ = ["Classifier", "Network", "OwnedEvents", "Windows"]
 

@@ -11,8 +11,7 @@ from .registry import SCENES, simulate_scene
 if TYPE_CHECKING:
     from .boxes import BoxExperiment, simulate
     from .pixel import PixelCamera, PixelModel
-    from .scene import Scene
-    from .truth import TRUTH, Box, Truth
+    from .truth import TRUTH, Box, Scene, Truth
 
 __all__ = [
     "SCENES",
@@ -32,7 +31,6 @@ __getattr__, __dir__ = lazily(
     {
         "boxes": ("BoxExperiment", "simulate"),
         "pixel": ("PixelCamera", "PixelModel"),
-        "scene": ("Scene",),
-        "truth": ("TRUTH", "Box", "Truth"),
+        "truth": ("TRUTH", "Box", "Scene", "Truth"),
     },
 )

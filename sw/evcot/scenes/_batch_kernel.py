@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._numba_private import njit, step
-from ._logarithm import logarithm
-from ._pixel_kernel import AT_ONCE, MEMORY, NEVER, OFF, ON, READY, ROUNDING, STATES, longer, one_pixel, quiet_bounds
+from ._pixel_kernel import AT_ONCE, MEMORY, NEVER, OFF, ON, READY, ROUNDING, STATES, logarithm, longer, one_pixel, quiet_bounds
 from ._render_kernel import (
     HIGH,
     LOW,

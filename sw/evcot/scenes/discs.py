@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ..ranges import setting
 from ._flight_kernel import bounce
-from .scene import Scene
 from .shapes import X, Y, discs
 from .stage import StageSettings, SteadyStage, film, texture
-from .truth import TRUTH
+from .truth import TRUTH, Scene
 
 __all__ = ["Discs", "Ways", "simulate"]
 

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from ..ranges import setting
 from ._flight_kernel import bounce, insects_at
-from .scene import Scene
 from .shapes import discs, quadrangles
 from .stage import StageSettings, SteadyStage, film, texture
-from .truth import TRUTH
+from .truth import TRUTH, Scene
 
 __all__ = ["Insects", "grass", "simulate"]
 

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..ranges import setting
-from .scene import Scene
 from .shapes import X, Y, discs, quadrangles
 from .stage import StageSettings, SteadyStage, film, texture
-from .truth import TRUTH
+from .truth import TRUTH, Scene
 
 __all__ = ["BOB", "ROD", "Pendulum", "simulate"]
 

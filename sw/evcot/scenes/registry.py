@@ -13,7 +13,7 @@ from ..errors import ConfigError, RecordingError, meant
 from ..ranges import read_value
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from .truth import Scene
 
 __all__ = ["SCENES", "SceneKind", "adjusted", "check_source", "scene_settings", "simulate_scene"]
 

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..ranges import setting
-from .scene import Scene
 from .shapes import quadrangles
 from .stage import MARGIN_PX, StageSettings, SteadyStage, film, texture
-from .truth import TRUTH
+from .truth import TRUTH, Scene
 
 __all__ = ["Shake", "simulate"]
 

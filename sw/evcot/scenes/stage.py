@@ -17,8 +17,7 @@ from ._occlusion_kernel import hidden_at
 from ._order import KEY_T_SHIFT, unpacked
 from ._render_kernel import changes, displacement, draw, shift_texture
 from .pixel import PixelCamera, PixelModel
-from .scene import Scene
-from .truth import TRUTH, Truth, on_sensor
+from .truth import TRUTH, Scene, Truth, on_sensor
 
 __all__ = ["MARGIN_PX", "Moments", "Stage", "StageSettings", "SteadyStage", "film", "texture"]
 

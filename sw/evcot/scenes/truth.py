@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact ground truth of a simulated scene; and rectangles on piecewise linear paths.
+"""A simulated scene: its recording and exact ground truth; and rectangles on piecewise linear paths.
 
 Positions are in event coordinates: the centre of pixel (x, y) is at (x, y), so a truth centre and a tracker's centre of mass
 can be compared directly.
@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RecordingError
+from ..events import Recording
 from ..outputs import written_aside
 from ..tracks.formats.base import BOX, Boxes
 
-__all__ = ["TRUTH", "TRUTH_COLUMNS", "Box", "Label", "ObjectClass", "Truth", "on_sensor", "sample"]
+__all__ = ["TRUTH", "TRUTH_COLUMNS", "Box", "Label", "ObjectClass", "Scene", "Truth", "on_sensor", "sample"]
 
 
 class ObjectClass(IntEnum):
@@ -213,3 +214,12 @@ def on_sensor(samples: NDArray[np.void], sensor: tuple[int, int]) -> NDArray[np.
     for axis, size in zip("xy", sensor, strict=True):
         inside &= (samples[axis] >= -0.5) & (samples[axis] < size - 0.5)
     return inside
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A simulated recording, its ground truth, and the seed."""
+
+    recording: Recording
+    truth: Truth
+    seed: int

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataframes import pandas_frame, polars_frame
+from . import PARQUET
 from .log_files import save_log, write_csv, write_npz
 from .npz import NpzFile
 from .parquet import LogFile
 from .record import DROPPED, TRACK, VERDICT, ClassNames, Kind, no_verdicts
-from .suffixes import PARQUET
 from .track import Tracks
 
 if TYPE_CHECKING:

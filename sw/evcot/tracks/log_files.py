@@ -17,12 +17,12 @@ from ..digest import EventsDigest
 from ..errors import TrackLogError
 from ..events import Events
 from ..outputs import suffix_of, written_aside
+from . import CSV, LOG_SUFFIXES, PARQUET
 from .column import Column
 from .npz import NpzFile
 from .parquet import LogFile, check_parquet, write_log
 from .record import TRACK, VERDICT, ClassNames, Kind, class_names_text, classes_at
 from .spool import LogColumns
-from .suffixes import CSV, LOG_SUFFIXES, PARQUET
 
 __all__ = [
     "Extent",

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 from ..outputs import note_input
+from . import CSV
 from .record import TRACK, VERDICT, class_names_from, no_verdicts
-from .suffixes import CSV
 
 __all__ = ["NpzFile"]
 

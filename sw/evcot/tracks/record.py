@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The output of a tracker, records of its tracks and owners of the events; and the rules that every log's records keep."""
+"""The output of a tracker: records of its tracks, the geometry of boxes, owners of the events; and the rules of records."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ __all__ = [
     "VERDICT",
     "ClassNames",
     "Kind",
+    "box_corners",
     "check_class_name",
     "check_records",
     "class_label",
@@ -32,8 +33,8 @@ __all__ = [
     "labels_at",
     "last_until",
     "no_verdicts",
+    "upright_sides",
 ]
-
 
 DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
 
@@ -200,3 +201,24 @@ def check_records(records: NDArray[np.void], first: int = 0, since_us: int = BEG
         if not good.all():
             row = int(np.argmin(good))
             raise TrackLogError(f"record {first + row}: {name} = {records[name][row]}: {rule}")
+
+
+def upright_sides(rows: NDArray[np.void]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Width and height, (k,) each, of the upright rectangle around each box; of an upright box its own, exactly."""
+    width, height = np.array(rows["width"], np.float64), np.array(rows["height"], np.float64)
+    turned = rows["angle"] != 0
+    if turned.any():
+        cos, sin = (np.abs(part(rows["angle"][turned])) for part in (np.cos, np.sin))
+        wide, high = width[turned], height[turned]
+        width[turned], height[turned] = cos * wide + sin * high, sin * wide + cos * high
+    return width, height
+
+
+def box_corners(rows: NDArray[np.void]) -> NDArray[np.float64]:
+    """(k, 4, 2) x, y of the corners of each box, in turn; the first is the upper left one of a box that is not turned."""
+    half = np.stack((rows["width"], rows["height"]), axis=-1) / 2
+    offsets = half[:, None] * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    cos, sin = np.cos(rows["angle"])[:, None], np.sin(rows["angle"])[:, None]
+    x, y = offsets[..., 0], offsets[..., 1]
+    corners = np.stack((cos * x - sin * y, sin * x + cos * y), axis=-1)
+    return np.asarray(corners + np.stack((rows["x"], rows["y"]), axis=-1)[:, None], np.float64)

@@ -8,7 +8,6 @@ import re
 import numpy as np
 import pytest
 
-from evcot.hardware.dff import Dff
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files
@@ -33,13 +32,13 @@ def test_reset_then_data(mode: int, in_reset: list[int]) -> None:
 
 
 @pytest.mark.parametrize("mode", [0, 1])
-def test_random_inputs_match_the_twin(mode: int) -> None:
-    sim, twin = load("dff", {COMPLEMENT: mode}), Dff(reset_to_complement=bool(mode))
-    assert sim.io.q == twin.q
+def test_random_inputs_come_out_a_clock_later_or_are_reset(mode: int) -> None:
+    sim = load("dff", {COMPLEMENT: mode})
+    assert sim.io.q == 0
     for d, rst in np.random.default_rng(mode).random((2000, 2)) < (0.5, 0.2):
         sim.io.d, sim.io.rst = int(d), int(rst)
         sim.clock.tick()
-        assert sim.io.q == twin.step(bool(d), rst=bool(rst))
+        assert bool(sim.io.q) == ((mode and not d) if rst else d)
 
 
 TOP = "synchronizer"

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 import zipfile
 from pathlib import Path
 
@@ -164,7 +165,7 @@ def test_a_log_in_runs_teaches_what_the_whole_does(monkeypatch: pytest.MonkeyPat
     logs = [log(*traffic(12))]
     whole = learn(logs, SENSOR)
     monkeypatch.setattr("evcot.tracks.log._RUN", 37)
-    monkeypatch.setattr("evcot.anomalies.visits._ROWS", 1)
+    monkeypatch.setattr(sys.modules[smallest_sensor.__module__], "_ROWS", 1)
     in_runs = learn(logs, SENSOR)
     assert in_runs.tracks == whole.tracks
     for name in ("visits", "ends", "turns"):

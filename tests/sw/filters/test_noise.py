@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
 from evcot.filters.chain import FilterChain
-from evcot.filters.config import FilterConfig
+from evcot.filters.config import FilterConfig, thresholds
 from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.decay import DecayFilter, weights
-from evcot.filters.noise import thresholds
 from evcot.filters.noise_level import UNKNOWN_SUPPORT, NoiseLevel
 from evcot.filters.registers import FilterRegisters
 from evcot.ticks import TickedEvents

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
-from evcot.hardware.dff import Dff
 from evcot.hardware.lfsr import TAPS, WIDTH_MAX, WIDTH_MIN, Lfsr, tap_mask
 from evcot.hardware.lfsr_event_source import LfsrEventSource
 
@@ -119,14 +118,6 @@ def test_refuses_a_seed_that_locks_up_or_does_not_fit(seed: int) -> None:
 def test_refuses_a_width_without_taps(width: int) -> None:
     with pytest.raises(ConfigError, match=f"^lfsr.width = {width}: must be an integer from 2 to 64$"):
         tap_mask(width)
-
-
-def test_a_flip_flop_delays_by_a_clock_and_is_reset_to_zero_or_to_the_complement() -> None:
-    for to_complement, reset in ((False, [False, False, False]), (True, [False, True, True])):
-        dff = Dff(reset_to_complement=to_complement)
-        assert [dff.step(d, rst=True) for d in (True, False, False)] == reset
-        assert [dff.step(d) for d in (True, True, False, True)] == [True, True, False, True]
-    assert Dff().q is False
 
 
 def test_candidates_are_slices_of_the_state() -> None:

@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from evcot.metrics.classes import class_hota, class_scores
 from evcot.metrics.frames import Frames
+from evcot.metrics.scores import class_hota, class_scores
 from evcot.tracks.record import classes_at, labels_at, no_verdicts
 from support.logs import verdicts_of
 

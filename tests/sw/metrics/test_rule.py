@@ -16,7 +16,7 @@ from evcot.tracks.log_parts import sampled
 from evcot.tracks.timeline import expiring, sample
 from support.refusals import refused
 
-from .stories import logged
+from .test_evaluate import logged
 
 BOXES = {"id": "id", "t_us": "t", "left": "l", "top": "t", "width": "w", "height": "h"}
 POINTS = {"id": "id", "t_us": "t", "x": "x", "y": "y"}

@@ -14,8 +14,7 @@ from evcot.errors import ConfigError
 from evcot.hardware.classifier import CELLS, HIDDEN, NONE, RAW_VERDICT, RecognitionRegisters
 from evcot.recognition.model import Network
 from evcot.recognition.size_speed import MOTION_INPUTS, class_indices, inputs_of
-from evcot.recognition.size_speed_training import fitted_size_speed, verdicts_of
-from evcot.recognition.training import UNLABELLED, LabelledWindows
+from evcot.recognition.training import UNLABELLED, LabelledWindows, fitted_size_speed, verdicts_of
 from evcot.recognition.weights import Weights
 from evcot.tracks.record import TRACK
 

@@ -13,16 +13,15 @@ from numpy.typing import NDArray
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.scenes import discs, highway, insects, pendulum, shake
-from evcot.scenes._logarithm import exponential
 from evcot.scenes._order import KEY_T_SHIFT
-from evcot.scenes._pixel_kernel import levels_of
+from evcot.scenes._pixel_kernel import exponential, levels_of
 from evcot.scenes._render_kernel import bounds, displacement, draw
 from evcot.scenes.pixel import PixelCamera, PixelModel
 from evcot.scenes.registry import SCENES, scene_settings, simulate_scene
-from evcot.scenes.scene import Scene
 from evcot.scenes.shapes import OBJECT, X, Y, quadrangles
 from evcot.scenes.shapes import discs as circles
 from evcot.scenes.stage import _Canvas, _samples
+from evcot.scenes.truth import Scene
 from support.refusals import refused
 
 FILMED = {"discs": discs, "highway": highway, "insects": insects, "pendulum": pendulum, "shake": shake}

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot.tracks.boxes import box_corners, upright_sides
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.record import box_corners, upright_sides
 from evcot.tracks.tally import LifeCounter
 from evcot.tracks.timeline import LIFE, MERGE, OPEN, SAMPLE, alive, lifetimes, merges, sample
 from evcot.tracks.track import Box, Track

@@ -11,8 +11,7 @@ from ..._numba_private import njit, step
 from ._gaps import count_in_bins
 from ._lives import LOST, MOVED, appears, correct, name, record, seed
 from ._meetings import absorbed, hide_sides, join
-from ._owner import find
-from ._places import OF_STATE, alone, clear, renew
+from ._places import OF_STATE, alone, clear, find, renew
 from ._sides import measure
 from ._state import (
     BEYOND,

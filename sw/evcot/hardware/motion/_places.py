@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which slots hold a pixel: sets of slots for each column and each row, so that an event need not ask every slot."""
+"""Which slots hold a pixel, by sets of slots for each column and each row: an event need not ask every slot. And its owner."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..._numba_private import step
+from ...bits import lowest, without_lowest
 from ..contract import Mode
 from ._state import (
     CANDIDATE,
@@ -20,6 +21,7 @@ from ._state import (
     EV_WIN_HI_Y,
     EV_WIN_LO_X,
     EV_WIN_LO_Y,
+    FREE,
     HELD_BOX_HI_X,
     HELD_BOX_HI_Y,
     HELD_BOX_LO_X,
@@ -33,7 +35,7 @@ from ._state import (
     Table,
 )
 
-__all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "clear", "extent", "hold", "renew"]
+__all__ = ["BOX_X", "BOX_Y", "OF_STATE", "ROWS", "WIN_X", "WIN_Y", "alone", "clear", "extent", "find", "hold", "renew"]
 
 # Rows of the table: the slots whose window, or whose box, covers each column or row; in the last one those in each state.
 WIN_X, WIN_Y, BOX_X, BOX_Y, OF_STATE = range(5)
@@ -117,3 +119,34 @@ def renew(s: Table, places: Table, modes: Table, i: int) -> None:
     if s[i, EV_STATE] in (CANDIDATE, VISIBLE) or modes[i] == _SEEDED:
         places[OF_STATE, s[i, EV_STATE]] |= alone(i)
     hold(s, places, i)
+
+
+@step
+def _first(slots: Any) -> Any:
+    """The lowest slot of a set, as a signed number."""
+    return np.int64(lowest(slots))
+
+
+@step
+def find(places: Table, x: int, y: int) -> tuple[int, bool, bool]:
+    """The owner or -1; whether the event could be another visible slot's as well; whether it seeds a candidate there.
+
+    The lowest visible slot whose box holds the event; else the lowest visible one by its window; else the lowest candidate by
+    its window; else the lowest free slot; else the lowest whose track may return.
+    """
+    held = places[WIN_X, x] & places[WIN_Y, y]
+    visible = held & places[OF_STATE, VISIBLE]
+    if visible:
+        by_box = visible & places[BOX_X, x] & places[BOX_Y, y]
+        if by_box:
+            visible = by_box
+        return _first(visible), without_lowest(visible) != 0, False
+    candidates = held & places[OF_STATE, CANDIDATE]
+    if candidates:
+        return _first(candidates), False, False
+    free = places[OF_STATE, FREE]
+    if not free:
+        free = places[OF_STATE, LEFT]
+    if not free:
+        return -1, False, False
+    return _first(free), False, True

@@ -17,10 +17,10 @@ from PIL import Image, ImageDraw, ImageFont
 from ..._numba_private import njit
 from ...events import Events, check_pixels
 from ...recordings.formats.source import Sensor
-from ...tracks.boxes import box_corners
 from ...tracks.log import TrackLog
+from ...tracks.record import box_corners
 from ...tracks.timeline import sample, track_labels
-from .look import FADE_CONSTANTS
+from . import FADE_CONSTANTS
 
 __all__ = [
     "EVENTS",

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from . import aedat4_sink, npz_sink, prophesee, text
+from . import aedat4_sink, numpy_files, prophesee, text
 from .source import WritableFormat
 
 __all__ = ["WRITABLE"]
 
 WRITABLE: dict[str, WritableFormat] = {
-    kind.name: kind for kind in (*npz_sink.WRITABLE, *text.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
+    kind.name: kind for kind in (*numpy_files.WRITABLE, *text.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
 }

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The box of an object: a Kalman filter for each axis, and whether two boxes are parts of one object."""
+"""The box of an object: a Kalman filter for each axis, and whether two boxes are parts of one object.
+
+Boxes are (2, 2) tables: centre and half side by axis.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from ..boxes import mostly_within, overlap, together
 from .layout import Rules, World
 
-__all__ = ["are_one", "are_parts", "correct", "predict"]
+__all__ = ["are_one", "are_parts", "correct", "mostly_within", "overlap", "predict", "together"]
+
+Table = NDArray[Any]
+
+_WITHIN = 0.7  # share of the smaller box that lies in the larger
+
+
+@step
+def mostly_within(a: Table, b: Table) -> bool:
+    """Whether most of the smaller box lies in the larger, along both axes."""
+    for axis in range(2):
+        shared = a[axis, 1] + b[axis, 1] - abs(a[axis, 0] - b[axis, 0])
+        if shared < 2.0 * _WITHIN * min(a[axis, 1], b[axis, 1]):
+            return False
+    return True
+
+
+@step
+def overlap(a: Table, b: Table, axis: int) -> float:
+    """The length along an axis that two boxes share; negative for the gap between them."""
+    return float(min(a[axis, 0] + a[axis, 1], b[axis, 0] + b[axis, 1]) - max(a[axis, 0] - a[axis, 1], b[axis, 0] - b[axis, 1]))
+
+
+@step
+def together(a: Table, b: Table, axis: int) -> float:
+    """The length along an axis of both boxes together."""
+    return float(max(a[axis, 0] + a[axis, 1], b[axis, 0] + b[axis, 1]) - min(a[axis, 0] - a[axis, 1], b[axis, 0] - b[axis, 1]))
 
 
 # Kalman filter of one axis of a box: centre, velocity, half side, growth; corrected by the number of events beyond a side.
@@ -20,8 +48,6 @@ __all__ = ["are_one", "are_parts", "correct", "predict"]
 # A side is defined by a share `quantile` of the object's events lying beyond it. With n of N events beyond, the side is off by
 # (n / N - quantile) / f, where f is the density of events at the side, with variance quantile (1 - quantile) / (N f^2). This
 # holds for any N, whereas the sample quantile of few events would lie too far inside.
-
-Table = NDArray[Any]
 
 
 @step

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import ConfigError, TrackLogError
-from ..boxes import upright_sides
 from ..log import TRACK, Kind, TrackLog
 from ..log_files import RecordRuns
 from ..log_parts import sampled
-from ..record import classes_at
+from ..record import classes_at, upright_sides
 from .base import BOX, FRAME_MAX, NOBODY, Boxes, FrameClock
 
 __all__ = ["MAX_AGE_US", "boxes_of_log", "log_of_boxes"]

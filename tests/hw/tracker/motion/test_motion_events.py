@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.motion_word import registers_word
-from support.moving import QUICK
+from support.moving import QUICK, registers_word
 from support.slow_motion import PX, Axis, Seen, Slot, SlowArray, pixel
 
 N, SLOT_W, X_W, Y_W, SIDE_W, PX_W, RADIX_W, SUP_W, SEQ_W, TIME_W = 4, 2, 6, 5, 25, 13, 5, 4, 8, 20

@@ -15,8 +15,7 @@ import pytest
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.motion_word import registers_word
-from support.moving import QUICK
+from support.moving import QUICK, registers_word
 from support.slow_motion import PX, Axis, Record, Slot, SlowArray
 
 N, SLOT_W, X_W, Y_W, SIDE_W, PX_W, REL_W, SUP_W, ID_W, TIME_W = 5, 3, 7, 6, 25, 13, 6, 9, 3, 36

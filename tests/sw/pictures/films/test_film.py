@@ -16,8 +16,7 @@ from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.films import Look, render, side_of
 from evcot.pictures.films.draw import EVENTS, GROUND, SIDES, Surface, compose, palette
-from evcot.pictures.films.encode import GIF_PIXELS_MAX, GifEncoder
-from evcot.pictures.films.film import Follower, picture_times
+from evcot.pictures.films.film import GIF_PIXELS_MAX, Follower, GifEncoder, picture_times
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from support.logs import verdicts_of
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording, write_events
-from evcot.recordings.formats import npz_sink, numpy_files
+from evcot.recordings.formats import numpy_files
 
 from .fuzzing import fuzz
 from .reading import FIELDS, assert_same, columns_of, refusal, rows_of
@@ -215,7 +215,7 @@ def test_a_failed_write_leaves_the_older_file_alone(tmp_path: Path, monkeypatch:
     def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(npz_sink.zipfile, "ZipFile", full)
+    monkeypatch.setattr(numpy_files.zipfile, "ZipFile", full)
     with pytest.raises(OSError, match=r"out\.npz: cannot be written: No space left on device"):
         write_events(path, SENSOR, [EVENTS], force=True)
     assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"older"]

@@ -17,7 +17,7 @@ from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.recordings.files import read_recording
-from evcot.trackers.adaptive.bins import find_parts
+from evcot.trackers.adaptive.bins import find_parts, smooth
 from evcot.trackers.adaptive.config import AdaptiveConfig
 from evcot.trackers.adaptive.layout import BINS, PARTS, Rules, World, make_rules, make_world
 from evcot.trackers.adaptive.life import RECORDS_PER_PACKET, close_packet
@@ -26,7 +26,25 @@ from evcot.trackers.adaptive.tracker import AdaptiveTracker, track
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.timeline import sample
 from shared import SHARED
-from support.bins import SENSOR, world_with
+
+SENSOR = 346, 260
+
+
+@njit(nogil=True)
+def _smooth(world: World, rows: int, columns: int) -> None:
+    smooth(world, rows, columns)
+
+
+def world_with(bins: NDArray[np.float64]) -> World:
+    """The state of a tracker of one object whose look shows `bins`, (rows, columns) pixels in each."""
+    world = make_world(1, *SENSOR)
+    rows, columns = bins.shape
+    world.bins[:rows, :columns] = bins
+    for y, x in np.argwhere(bins > 0):
+        world.filled[y] |= np.uint64(1) << np.uint64(x)
+    _smooth(world, rows, columns)
+    return world
+
 
 WIDTH, HEIGHT = 346, 260
 SEED = 7

@@ -13,8 +13,8 @@ from PIL import Image
 
 from evcot.errors import ConfigError
 from evcot.events import Events
-from evcot.pictures.plots import KINDS, Log, Material, density, plot
-from evcot.pictures.plots.figure import figure_of
+from evcot.pictures.plots import Log, Material, density, figure_of, plot
+from evcot.pictures.style import KINDS
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from support.logs import verdicts_of
 
