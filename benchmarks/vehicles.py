@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.recognition.size_speed import inputs_of
 from evcot.recognition.training import (
     UNLABELLED,
     LabelledWindows,
@@ -28,7 +27,7 @@ from evcot.recognition.training import (
     verdicts_of,
     windows_of,
 )
-from evcot.recognition.weights import Weights
+from evcot.recognition.weights import Weights, inputs_of
 from evcot.scenes.registry import simulate_scene
 from evcot.scenes.truth import ObjectClass
 from evcot.tracks.formats.base import Boxes

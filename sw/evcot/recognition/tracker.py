@@ -22,8 +22,7 @@ from ..trackers.presets import fit
 from ..tracks.record import TRACK, VERDICT, last_until, no_verdicts
 from ..tracks.tracking import TrackerOutput
 from .model import Classifier, OwnedEvents, Windows
-from .size_speed import class_indices
-from .weights import Weights
+from .weights import Weights, class_indices
 
 __all__ = ["ClassifyingTracker", "TrackClassifier", "TrackWindows", "WindowTracker", "joined", "start_classifying"]
 

@@ -21,9 +21,8 @@ from ..ranges import check_integer
 from ..tracks.formats.base import Boxes
 from ._windows import judge
 from .model import Network
-from .size_speed import inputs_of
 from .tracker import TrackWindows, WindowTracker, joined
-from .weights import Weights
+from .weights import Weights, inputs_of
 
 __all__ = [
     "INPUT_COUNTS",

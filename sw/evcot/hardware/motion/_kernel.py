@@ -12,7 +12,6 @@ from ._gaps import count_in_bins
 from ._lives import LOST, MOVED, appears, correct, name, record, seed
 from ._meetings import absorbed, hide_sides, join
 from ._places import OF_STATE, alone, clear, find, renew
-from ._sides import measure
 from ._state import (
     BEYOND,
     BOX_LO_X,
@@ -77,7 +76,7 @@ from ._state import (
     Table,
 )
 from ._velocity import advance, follow_pace
-from ._windows import await_return, bounded, set_window
+from ._windows import await_return, bounded, measure, set_window
 
 __all__ = ["RECORDS_PER_STEP", "feed", "initialise", "restart", "restep"]
 

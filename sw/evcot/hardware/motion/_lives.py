@@ -6,7 +6,6 @@ from __future__ import annotations
 from ..._numba_private import step
 from ...tracks.log import Kind
 from ._gaps import clear_bins, look_for_gaps
-from ._sides import shrink
 from ._state import (
     BEYOND,
     BIRTH_PX,
@@ -64,7 +63,7 @@ from ._state import (
     Table,
 )
 from ._velocity import begin_pace, correct_velocity
-from ._windows import length, set_window, windows_touch
+from ._windows import length, set_window, shrink, windows_touch
 from .contract import SUB
 
 __all__ = ["BORN", "LOST", "MERGED", "MOVED", "appears", "correct", "end", "name", "record", "seed"]

@@ -31,10 +31,18 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
-from .column_order import SAMPLED_ROWS, Order, column_order, order_text
 from .hdf5 import open_file, open_rows
 from .hdf5_survey import NAMES, survey
-from .numeric import UNITS, microseconds, whole_numbers, without_unsigned_minus_one
+from .numeric import (
+    SAMPLED_ROWS,
+    UNITS,
+    Order,
+    column_order,
+    microseconds,
+    order_text,
+    whole_numbers,
+    without_unsigned_minus_one,
+)
 from .packing import Section
 from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format, Sensor

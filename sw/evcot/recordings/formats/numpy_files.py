@@ -27,8 +27,7 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
-from .column_order import SAMPLED_ROWS, column_order, order_text
-from .numeric import UNITS, find_fields, microseconds, polarities, whole_numbers
+from .numeric import SAMPLED_ROWS, UNITS, column_order, find_fields, microseconds, order_text, polarities, whole_numbers
 from .numpy_arrays import StoredArray, npy_array, npz_arrays
 from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
 

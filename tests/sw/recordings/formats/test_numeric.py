@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
-from evcot.recordings.formats.column_order import SAMPLED_ROWS, column_order
+from evcot.recordings.formats.numeric import SAMPLED_ROWS, column_order
 
 from .reading import assert_same, refusal
 
