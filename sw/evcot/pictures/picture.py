@@ -27,7 +27,7 @@ from .plots import Log, Material, density, figure_of
 from .style import INK
 
 if TYPE_CHECKING:
-    from .plots.figure import NotebookFigure
+    from .plots import NotebookFigure
 
 __all__ = ["SIZE_PX", "draw", "log_figure", "log_html"]
 
