@@ -21,6 +21,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 import evcot
+from support.testing import module_at
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -40,12 +41,7 @@ def test_the_index_is_told_what_it_is_for_whom_and_by_whom() -> None:
 @pytest.fixture(scope="module")
 def hook() -> ModuleType:
     """hatch_build.py, which the build imports by its path."""
-    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(ROOT / "hatch_build.py")
 
 
 TARGETS = re.compile(r'(?:\]\(|src=")([^)"\s]+)[)"]')

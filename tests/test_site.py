@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-from support.testing import exhaustive
+from support.testing import exhaustive, module_at
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / "docs" / "site" / "build_site.py"
@@ -18,12 +17,7 @@ SCRIPT = ROOT / "docs" / "site" / "build_site.py"
 
 @pytest.fixture(scope="module")
 def site() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("build_site", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(SCRIPT)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import ctypes
-import importlib.util
 import re
 import shutil
 import subprocess
@@ -34,6 +33,7 @@ from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import rtl_files, search_flags
 from evcot_cosim.rtl.toolchain import find_toolchain
 from support.classifier_trials import random_network
+from support.testing import module_at
 from support.top import device_of
 
 ROOT = Path(__file__).parents[2]
@@ -141,12 +141,7 @@ def configure_in_c(example_in_c: Callable[..., int]) -> Callable[[Transport], in
 
 
 def example_in_python() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
-    assert spec is not None
-    assert spec.loader is not None
-    example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
-    return example
+    return module_at(EXAMPLES / "configure.py")
 
 
 class Nobody:

@@ -6,7 +6,6 @@ cocotb_evcot.py has evcot_top in a cocotb test in Icarus, with the golden model 
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import shutil
 import subprocess
@@ -28,7 +27,7 @@ from evcot_cosim.fpga.catalogue import MODULES
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import copy_rtl, verilog_dir
 from support.four_state import needs_icarus
-from support.testing import broken_copy
+from support.testing import broken_copy, module_at
 
 EXAMPLES = Path(__file__).parents[2] / "hw" / "fpga" / "examples"
 PIXELS = [(100 + int(dx), 60 + int(dy)) for dx, dy in np.random.default_rng(1).integers(-5, 6, (400, 2))]
@@ -36,12 +35,7 @@ PIXELS = [(100 + int(dx), 60 + int(dy)) for dx, dy in np.random.default_rng(1).i
 
 @pytest.fixture(scope="module")
 def example() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(EXAMPLES / "configure.py")
 
 
 @pytest.mark.parametrize("name", ["kv260", "davis"])

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import shutil
 import subprocess
@@ -18,7 +17,7 @@ from evcot_cosim.fpga.release import write_release
 from evcot_cosim.rtl.files import search_flags, verilog_dir
 from evcot_cosim.rtl.toolchain import find_toolchain
 from support.four_state import needs_icarus
-from support.testing import broken_copy, needs_yosys
+from support.testing import broken_copy, module_at, needs_yosys
 
 BENCH = verilog_dir().parent / "fpga" / "examples" / "integrator_tb.v"
 
@@ -63,12 +62,7 @@ PARAMETERS = {"N": 3, "X_W": 8, "Y_W": 7, "WIDTH": 240, "HEIGHT": 100, "DATA_W":
 
 
 def example(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(EXAMPLES / f"{name}.py")
 
 
 def elaborated(folder: Path, text: str) -> str:

@@ -7,6 +7,7 @@ A stall pattern is any iterator of bools, one per clock: True lets a source offe
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import os
 import re
 import shutil
@@ -16,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import repeat
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -39,6 +41,7 @@ __all__ = [
     "evaluate",
     "exhaustive",
     "lint",
+    "module_at",
     "needs_yosys",
     "run_streams",
     "sometimes",
@@ -101,6 +104,16 @@ def lint(top: str, **parameters: int) -> tuple[int, str]:
 @cache
 def _tools() -> Toolchain:
     return find_toolchain()
+
+
+def module_at(path: Path) -> ModuleType:
+    """A Python file outside of all packages, as a module of the file's name."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def evaluate(

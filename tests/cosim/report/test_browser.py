@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +20,7 @@ from evcot_cosim.report import Material, Side, write_report
 from evcot_cosim.report.page import render
 from evcot_cosim.report.part_pages import write_overview
 from support.logs import verdicts_of
+from support.testing import module_at
 from support.texts import hard_to_read, texts_of
 
 from .conftest import Opened, mismatch_at, summary_of
@@ -458,11 +458,7 @@ def test_a_hostile_name_does_nothing(browser: Any, material: Material, tmp_path:
 
 
 def test_a_film_shows_the_report_in_use(browser: Any, report: Path, tmp_path: Path) -> None:
-    spec = importlib.util.spec_from_file_location("film_report", Path(__file__).parents[3] / "docs" / "site" / "film_report.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = module_at(Path(__file__).parents[3] / "docs" / "site" / "film_report.py")
     module.film(browser, report, tmp_path / "report.gif")
     with Image.open(tmp_path / "report.gif") as gif:
         assert gif.size == (1200, 750)
