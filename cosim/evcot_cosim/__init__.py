@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .lockstep.run_file import RunFile, Source, read_run_file
     from .report.artifacts import write_mismatch, write_run
     from .rtl.build import load
-    from .vectors.vectors import Vectors
+    from .vectors import Vectors
 
 __all__ = [
     "CosimRun",
@@ -66,7 +66,7 @@ _NAMES = {
     "lockstep.run_file": ("RunFile", "Source", "read_run_file"),
     "report.artifacts": ("write_mismatch", "write_run"),
     "rtl.build": ("load",),
-    "vectors.vectors": ("Vectors",),
+    "vectors": ("Vectors",),
 }
 
 

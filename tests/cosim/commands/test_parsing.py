@@ -206,8 +206,6 @@ def tiny(path: str) -> None:
 @pytest.mark.parametrize(
     ("line", "why"),
     [
-        ("track drive.npz -o drive.npz", "is drive.npz, an input"),
-        ("track drive.npz -o log.npz", "-o log.npz: exists: must be another file, or --force"),
         ("track drive.npz --learn-hot-pixels --save-hot-pixels drive.npz --force", "is drive.npz, an input"),
         ("track drive.npz --save-hot-pixels new.txt", "must be given with --learn-hot-pixels"),
         ("cosim run/drive.npz -o run", "-o run: holds drive.npz, an input of the same call"),
@@ -226,9 +224,7 @@ def tiny(path: str) -> None:
         ("simulate boxes -o new.npz", "--truth new.truth.csv: exists"),
         ("simulate boxes -o new.csv --truth new.csv", "must be another file"),
         ("report log.npz --recording drive.npz", "-o log.html: exists"),
-        ("plot drive.npz log.npz -o log.npz --force", "an input"),
         ("evaluate log.npz --truth absent.csv", "absent.csv"),
-        ("live drive.npz --save-log drive.npz --quiet", "drive.npz"),
         ("live tcp://127.0.0.1:1 --save mine.raw --quiet", "--save mine.raw: exists"),
     ],
 )

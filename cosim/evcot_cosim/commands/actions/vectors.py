@@ -11,7 +11,7 @@ from pathlib import Path
 from evcot.outputs import RUN_FILE, folder_written_aside
 
 from ...lockstep.run_file import write_run_file
-from ...vectors.vectors import FILES, Vectors
+from ...vectors import FILES, Vectors
 from ..options import window_from
 from .job import job_from
 from .settings import save_learned
