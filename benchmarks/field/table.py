@@ -24,7 +24,6 @@ __all__ = [
     "by_family",
     "by_member",
     "left_out",
-    "merits",
     "picture",
     "print_differences",
     "print_families",

@@ -17,7 +17,7 @@ from ..fpga.serial_host import BYTE_BITS, Receiver, levels, request
 from ..rtl.build import load
 from .trace import Diagram, Lane, Offer, Trace, play, wave, wire
 
-__all__ = ["DIAGRAMS", "uart_byte", "uart_frames"]
+__all__ = ["DIAGRAMS"]
 
 _DIVISOR = 4
 

@@ -28,7 +28,7 @@ from .field import FieldConfig, NormalMotion, grid
 from .layout import TRACE, Field
 from .motion import Steps, add_place, begin, close_step, extent_px, steps
 
-__all__ = ["VISIT", "Visits", "learn", "smallest_sensor"]
+__all__ = ["learn", "smallest_sensor"]
 
 _LEAST_SPEED = 0.5  # px/s
 _SURE = 2.0  # standard errors above which a velocity has a direction

@@ -19,7 +19,7 @@ from ..events import Events
 from .contract import HoughConfig
 from .transform import HoughTransform
 
-__all__ = ["FIELDS", "LINE", "SLOTS", "LineFollower", "follow"]
+__all__ = ["LINE", "LineFollower"]
 
 LINE = np.dtype([("t_us", "<i8"), ("line_id", "<i4"), ("angle_deg", "<f8"), ("rho_px", "<f8"), ("turn_deg_s", "<f8")])
 """A measurement of a line: time, id from 1, direction of its normal, distance from the middle of the sensor, turning speed.
@@ -28,42 +28,12 @@ A point (x, y) of the line, in pixels from the middle of the sensor, has x cos(a
 is continuous: it goes beyond 180 degrees and below 0, and rho keeps its sign meanwhile.
 """
 
-
-class LineFollower:
-    """The lines in a stream of events: feed events in blocks of any length.
-
-    Args:
-        config: shape and registers of the transform.
-    """
-
-    def __init__(self, config: HoughConfig) -> None:
-        self._transform = HoughTransform(config)
-        self._config = config
-        self._slots = np.zeros((SLOTS, FIELDS))
-        self._counts = np.zeros(2, np.int64)  # spikes, ids
-
-    def feed(self, events: Events) -> NDArray[np.void]:
-        """The lines of a block of events: (m,) of dtype `LINE`, one entry for each spike of a line, in time order."""
-        first = self._transform.events
-        spikes = self._transform.feed(events.x, events.y)
-        index = spikes["event"] - first
-        config = self._config
-        x = events.x[index] - (config.width - 1) / 2
-        y = events.y[index] - (config.height - 1) / 2
-        lines = np.empty(len(spikes), LINE)
-        columns = tuple(lines[name] for name in LINE.names or ())
-        t_us = events.t_us[index]
-        return lines[: follow(t_us, x, y, spikes["angle"], np.pi / config.angles, self._slots, self._counts, columns)].copy()
-
-
-SLOTS = 16
-"""Lines and candidates at one time."""
+_SLOTS = 16  # lines and candidates at one time
 
 # Columns of a slot: own spikes (0: free), id (0: candidate), number of the spike with which it began, time of the last spike,
 # anchor, state, covariance.
 _SPIKES, _ID, _BEGAN, _LAST, _X, _Y, _STATE, _COVARIANCE = 0, 1, 2, 3, 4, 5, 6, 10
-FIELDS = _COVARIANCE + 16
-"""Columns of a slot."""
+_FIELDS = _COVARIANCE + 16
 
 # Tuned on the validation seeds of benchmarks/lines.py.
 _GATE_PX = 6.0  # farthest pixel from the line that is the line's
@@ -80,13 +50,13 @@ _TURN_RAD_S, _SLIDE_PX_S, _PLACE_PX = 10.0, 100.0, 2.0
 
 
 @njit(cache=True, nogil=True)
-def follow(t_us, x, y, index, step_rad, slots, counts, lines):  # type: ignore[no-untyped-def]
+def _follow(t_us, x, y, index, step_rad, slots, counts, lines):  # type: ignore[no-untyped-def]
     """Follow lines through a run of spikes.
 
     Args:
         t_us, x, y, index: (n,), time, pixel from the middle of the sensor, and index of the angle of each spike.
         step_rad: from one angle to the next.
-        slots, counts: (SLOTS, FIELDS) and (2,), the state: lines and candidates; numbers of spikes and of ids so far.
+        slots, counts: (_SLOTS, _FIELDS) and (2,), the state: lines and candidates; numbers of spikes and of ids so far.
         lines: the columns of `follower.LINE`, (n,) each, which are filled in.
 
     Returns:
@@ -232,3 +202,30 @@ def _end_doubles(slots, slot, step_rad):  # type: ignore[no-untyped-def]
         off = (other[_X] - line[_X]) * cosine + (other[_Y] - line[_Y]) * sine - line[_STATE + 2]
         if abs(off) < _GATE_PX and abs(_apart(other[_STATE], line[_STATE])) < step_rad:
             other[_SPIKES] = 0
+
+
+class LineFollower:
+    """The lines in a stream of events: feed events in blocks of any length.
+
+    Args:
+        config: shape and registers of the transform.
+    """
+
+    def __init__(self, config: HoughConfig) -> None:
+        self._transform = HoughTransform(config)
+        self._config = config
+        self._slots = np.zeros((_SLOTS, _FIELDS))
+        self._counts = np.zeros(2, np.int64)  # spikes, ids
+
+    def feed(self, events: Events) -> NDArray[np.void]:
+        """The lines of a block of events: (m,) of dtype `LINE`, one entry for each spike of a line, in time order."""
+        first = self._transform.events
+        spikes = self._transform.feed(events.x, events.y)
+        index = spikes["event"] - first
+        config = self._config
+        x = events.x[index] - (config.width - 1) / 2
+        y = events.y[index] - (config.height - 1) / 2
+        lines = np.empty(len(spikes), LINE)
+        columns = tuple(lines[name] for name in LINE.names or ())
+        t_us = events.t_us[index]
+        return lines[: _follow(t_us, x, y, spikes["angle"], np.pi / config.angles, self._slots, self._counts, columns)].copy()

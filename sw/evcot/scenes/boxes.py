@@ -29,7 +29,7 @@ from ..ranges import check_ranges, setting
 from ._order import KEY_T_SHIFT, events_of
 from .truth import Box, Scene, Truth, sample
 
-__all__ = ["LANES", "BoxExperiment", "Scene", "Speed", "cast", "leg_events", "simulate"]
+__all__ = ["BoxExperiment", "Scene", "Speed", "simulate"]
 
 
 @step

@@ -23,7 +23,7 @@ from .stage import Moments, StageSettings, film, texture
 from .traffic import story, traffic
 from .truth import TRUTH, Label, ObjectClass, Scene
 
-__all__ = ["FACES", "SHADOW", "Highway", "outline", "simulate"]
+__all__ = ["Highway", "simulate"]
 
 SHADOW = 0  # the face that is not part of the vehicle's box
 FACES = 10

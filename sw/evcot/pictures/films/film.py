@@ -21,17 +21,7 @@ from ...tracks.record import upright_sides
 from . import GIF, MP4, RERUN, SUFFIXES, Look
 from .draw import EVENTS, Follower, Side, Surface, compose, palette, size_of
 
-__all__ = [
-    "ENCODERS",
-    "GIF_PIXELS_MAX",
-    "Encoder",
-    "check_encoder",
-    "check_rerun",
-    "check_suffix",
-    "picture_times",
-    "render",
-    "write_rerun",
-]
+__all__ = ["GIF_PIXELS_MAX", "check_suffix", "picture_times", "render"]
 
 GIF_PIXELS_MAX = 1 << 29
 

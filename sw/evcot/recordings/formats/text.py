@@ -36,7 +36,7 @@ from .numeric import SAMPLED_ROWS, UNITS, Naming, column_order, find_fields, ord
 from .printable import whole_number
 from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
 
-__all__ = ["FORMATS", "LONGEST_LINE_BYTES", "SEPARATORS", "WRITABLE", "Layout", "is_text", "read_layout"]
+__all__ = ["FORMATS", "WRITABLE", "Layout"]
 
 LONGEST_LINE_BYTES = 1 << 16
 _MOST_HEADER_BYTES = 1 << 22  # before the first event

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..._numba_private import step
 from .layout import Rules, World
 
-__all__ = ["are_one", "are_parts", "correct", "mostly_within", "overlap", "predict", "together"]
+__all__ = ["are_one", "are_parts", "correct", "overlap", "predict", "together"]
 
 Table = NDArray[Any]
 

@@ -13,7 +13,7 @@ from .motion import advance, jump, measure_velocity
 from .records import MASS_TAU_US, MERGED, MOVED, follow_size, record, set_mixing, set_steps
 from .state import NEVER_US, State, Table
 
-__all__ = ["close_packet", "merge_overlapping", "open_packet"]
+__all__ = ["close_packet", "open_packet"]
 
 
 @step

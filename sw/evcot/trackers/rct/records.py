@@ -20,7 +20,6 @@ __all__ = [
     "MERGED",
     "MOVED",
     "follow_size",
-    "object_box",
     "record",
     "set_mixing",
     "set_steps",
