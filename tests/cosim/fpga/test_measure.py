@@ -12,7 +12,8 @@ from subprocess import CompletedProcess
 import pytest
 
 from evcot.errors import ToolchainError
-from evcot_cosim.fpga import cli, tools
+from evcot_cosim.fpga import __main__ as cli
+from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.catalogue import MODULES, Module
 from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import load, save
