@@ -176,14 +176,14 @@ class Lockstep:
         assert self._golden is not None
         found = difference_of(hardware, model, self.events, {"visible": (self.device.visible, self._golden.visible)})
         if found:
-            tick = int(ticks[min(max(found.index - self.events, 0), len(ticks) - 1)])
-            raise MismatchError(self._mismatch(found.index, tick, found.field, found.hardware, found.model))
+            tick = int(ticks[min(max(found.event_index - self.events, 0), len(ticks) - 1)])
+            raise MismatchError(self._mismatch(found.event_index, tick, found.field, found.hardware, found.model))
 
 
 class Difference(NamedTuple):
     """The first event at which two differ, in which field, and both values."""
 
-    index: int
+    event_index: int
     field: str
     hardware: int | str | None
     model: int | str | None
@@ -204,7 +204,7 @@ def difference_of(
             found.append(Difference(first + i, field, int(theirs[i]), int(ours[i])))
     of_records = _record_difference(hardware.records, model.records)
     found += [] if of_records is None else [of_records]
-    return min(found, key=lambda entry: entry.index) if found else None
+    return min(found, key=lambda entry: entry.event_index) if found else None
 
 
 def _record_difference(hardware: NDArray[np.void], model: NDArray[np.void]) -> Difference | None:

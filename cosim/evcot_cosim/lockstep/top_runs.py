@@ -100,8 +100,8 @@ def random_top_run(design: Design, seed: int, events: int) -> TopTotals:
         raise MismatchError(mismatch) from error
     found = difference_of(both.hardware, both.model)
     if found is not None:
-        tick = int(traffic.ticks[min(max(found.index, 0), len(traffic) - 1)])
-        raise MismatchError(Mismatch(found.index, tick, found.field, found.hardware, found.model, seed, config))
+        tick = int(traffic.ticks[min(max(found.event_index, 0), len(traffic) - 1)])
+        raise MismatchError(Mismatch(found.event_index, tick, found.field, found.hardware, found.model, seed, config))
     return TopTotals(len(traffic), len(both.model.records), device.clock)
 
 

@@ -35,7 +35,7 @@ from evcot_cosim.devices.base import (
     check_silence,
     check_waits,
 )
-from evcot_cosim.devices.device import Device, _order_of, build_device
+from evcot_cosim.devices.device import Device, build_device, order_of
 from evcot_cosim.devices.published_device import Top, rtl, simulation
 from evcot_cosim.devices.tracker import DeviceTracker
 from evcot_cosim.lockstep.cosim import run_cosim
@@ -197,7 +197,7 @@ class TestStream:
         records["seq"], records["time"] = [4, 4, 4, 3, 4], [9, 8, 8, 7, 12]
         records["kind"] = [Kind.LOST, Kind.LOST, Kind.LOST, Kind.MOVED, Kind.BORN]
         records["slot"] = [0, 2, 1, 1, 0]
-        assert _order_of(records).tolist() == [3, 2, 1, 0, 4]
+        assert order_of(records).tolist() == [3, 2, 1, 0, 4]
 
 
 @pytest.mark.parametrize("top", TOPS)
@@ -256,7 +256,7 @@ def interactive(device: Device, events: TickedEvents, pattern: str) -> Decisions
     through = [word for word in passed.words if not single or word[4]]
     left = np.flatnonzero(owner == -1)
     assert [word[:4] for word in through] == [(int(i), int(events.x[i]), int(events.y[i]), int(events.p[i])) for i in left]
-    return Decisions(records[_order_of(records)] if device.config.module == "cot_chain" else records, owner, rel_x, rel_y)
+    return Decisions(records[order_of(records)] if device.config.module == "cot_chain" else records, owner, rel_x, rel_y)
 
 
 @pytest.mark.parametrize("pattern", PATTERNS)
