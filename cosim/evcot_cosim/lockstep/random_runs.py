@@ -193,6 +193,9 @@ class Design:
         enable: bit mask of the filters in front of it.
         filter_shape: theirs.
         top: Verilog parameters of `evcot_top` around it; None: without.
+
+    Raises:
+        ConfigError: a shape that the module cannot have.
     """
 
     module: Module
@@ -202,7 +205,7 @@ class Design:
     top: Mapping[str, int] | None = None
 
     def __post_init__(self) -> None:
-        self.config(np.random.default_rng(0))
+        self.config(np.random.default_rng(0))  # a configuration checks its shape
 
     @classmethod
     def random(cls, rng: np.random.Generator, module: str) -> Design:
