@@ -332,7 +332,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="seed of the training")
     parser.add_argument("--still", action="store_true", help="only: still digits against moving ones")
     parser.add_argument("--hats", action="store_true", help="only: the baseline HATS")
-    parser.add_argument("--all", action="store_true", help="also float, truth-centred, baseline, other objects (10 minutes)")
+    parser.add_argument("--all", action="store_true", help="also float, truth-centred, baseline, other objects (an hour)")
     options = parser.parse_args()
 
     def found(truth_centred: bool) -> list[Found]:
