@@ -102,7 +102,7 @@ def test_registers_change_between_two_events_and_lives_go_on() -> None:
     """The hardware says at which event each commit took effect; the model, changed at that event, gives the same bits."""
     print("seed 41")
     ended = births = 0
-    for run in range(4):
+    for run in range(6):
         rng = np.random.default_rng([41, run])
         config = replace(CONFIG, registers=replace(QUICK, birth_support=8, birth_ticks=20))
         device = device_of("motion", config, pace=Pace.random(rng) if run else None)
