@@ -27,7 +27,7 @@ from ..devices.device import Device, DeviceState, StreamTimes
 from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 
-__all__ = ["CHUNK", "Clocks", "Difference", "Lockstep", "Step", "chunks", "cut", "difference_of", "dump_window"]
+__all__ = ["CHUNK", "Clocks", "FirstDifference", "Lockstep", "Step", "chunks", "cut", "difference_of", "dump_window"]
 
 _STATE = ("events", "records", "wall_s", "latency", "_clock", "_last_us", "_golden")
 LATENCY_MAX = 4_095  # clocks; longer latencies share the last bin
@@ -180,7 +180,7 @@ class Lockstep:
             raise MismatchError(self._mismatch(found.event_index, tick, found.field, found.hardware, found.model))
 
 
-class Difference(NamedTuple):
+class FirstDifference(NamedTuple):
     """The first event at which two differ, in which field, and both values."""
 
     event_index: int
@@ -194,20 +194,20 @@ def difference_of(
     model: Decisions,
     first: int = 0,
     columns: Mapping[str, tuple[NDArray[Any], NDArray[Any]]] = MappingProxyType({}),
-) -> Difference | None:
+) -> FirstDifference | None:
     """The first difference between decisions on events `first`, `first + 1`, …, and between more columns, (n,) each."""
-    found: list[Difference] = []
+    found: list[FirstDifference] = []
     own = {field: (getattr(hardware, field), getattr(model, field)) for field in ("owner", "rel_x", "rel_y")}
     for field, (theirs, ours) in {**own, **columns}.items():
         if not np.array_equal(theirs, ours):
             i = int(np.flatnonzero(theirs != ours)[0])
-            found.append(Difference(first + i, field, int(theirs[i]), int(ours[i])))
+            found.append(FirstDifference(first + i, field, int(theirs[i]), int(ours[i])))
     of_records = _record_difference(hardware.records, model.records)
     found += [] if of_records is None else [of_records]
     return min(found, key=lambda entry: entry.event_index) if found else None
 
 
-def _record_difference(hardware: NDArray[np.void], model: NDArray[np.void]) -> Difference | None:
+def _record_difference(hardware: NDArray[np.void], model: NDArray[np.void]) -> FirstDifference | None:
     words = hardware.dtype.itemsize // 8
     both = min(len(hardware), len(model))
     theirs = hardware.view("<u8").reshape(-1, words)[:both]
@@ -216,10 +216,10 @@ def _record_difference(hardware: NDArray[np.void], model: NDArray[np.void]) -> D
         i = int(np.flatnonzero((theirs != ours).any(axis=1))[0])
         field = next(name for name in hardware.dtype.names or () if hardware[i][name] != model[i][name])
         index = int(min(hardware[i]["seq"], model[i]["seq"]))
-        return Difference(index, f"record.{field}", int(hardware[i][field]), int(model[i][field]))
+        return FirstDifference(index, f"record.{field}", int(hardware[i][field]), int(model[i][field]))
     if len(hardware) != len(model):
         extra = (hardware if len(hardware) > both else model)[both]
-        return Difference(int(extra["seq"]), "records", f"{len(hardware)} records", f"{len(model)} records")
+        return FirstDifference(int(extra["seq"]), "records", f"{len(hardware)} records", f"{len(model)} records")
     return None
 
 

@@ -79,10 +79,10 @@ def write_test(case: Case, mismatch: Mismatch, folder: Path, name: str, model: B
     Raises:
         OutputError: a file exists, or cannot be written.
     """
-    stalls, vcd = stalls_from(case.stalls), folder / f"{name}.vcd"
-    dump_window(case.events, case.config, vcd, 0, len(case.events) - 1, stalls=stalls, model=model)
     with written_aside(folder / f"test_{name}.py") as file:
         file.write(_source(case, mismatch, name).encode())
+    stalls, vcd = stalls_from(case.stalls), folder / f"{name}.vcd"
+    dump_window(case.events, case.config, vcd, 0, len(case.events) - 1, stalls=stalls, model=model)
 
 
 def _source(case: Case, mismatch: Mismatch, name: str) -> str:

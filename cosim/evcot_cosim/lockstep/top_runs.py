@@ -74,7 +74,7 @@ class Rewritten(NamedTuple):
 
 
 class TopTotals(NamedTuple):
-    """Of a random run."""
+    """What a random run had: events, records, and clocks from its reset to its end."""
 
     events: int
     records: int

@@ -305,7 +305,7 @@ def _fuzz(value: Mapping[str, Any]) -> Fuzz:
 def _of_each(field_name: str, value: Any, modules: Sequence[str], most: int) -> dict[str, int]:
     """Module -> number, of a number for all or of one for each."""
     found = dict(value) if isinstance(value, Mapping) else dict.fromkeys(modules, value)
-    for module in found.keys() ^ set(modules):
+    for module in sorted(found.keys() ^ set(modules)):
         raise ConfigError(f"fuzz.{field_name}.{module}: must be given for each of {', '.join(modules)}, and for no other")
     for module, number in found.items():
         if type(number) is not int or not 1 <= number <= most:

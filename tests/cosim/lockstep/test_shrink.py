@@ -35,7 +35,7 @@ def test_a_case_shrinks_to_a_test_that_fails_on_the_broken_hardware_alone(
 
     write_test(small, mismatch, tmp_path, "found", broken)
     assert (tmp_path / "found.vcd").stat().st_size > 1_000
-    with pytest.raises(OutputError, match=r"found\.vcd"):
+    with pytest.raises(OutputError, match=r"test_found\.py"):
         write_test(small, mismatch, tmp_path, "found", broken)
     test = runpy.run_path(str(tmp_path / "test_found.py"))
     test["test_hardware_and_model_agree"]()
