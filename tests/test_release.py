@@ -87,27 +87,33 @@ def test_the_licence_is_there_as_every_tool_looks_for_it() -> None:
     assert (annotation["path"], annotation["SPDX-License-Identifier"]) == ("**", PROJECT["license"])
 
 
-@pytest.mark.skipif(shutil.which("reuse") is None, reason="needs reuse: make package has it")
-def test_every_file_says_its_licence() -> None:
-    done = subprocess.run(["reuse", "lint", "--lines"], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout
-
-
-def test_two_builds_give_the_same_files(tmp_path: Path) -> None:
-    """From another folder, with other times and modes of files, whatever the locale and the time zone."""
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files of the checkout in another folder, with other times and modes, and without what other tests are building."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, check=False
     )
     if listed.returncode:
         pytest.skip("no git checkout")
-    copy = tmp_path / "elsewhere"
+    folder = tmp_path_factory.mktemp("copy") / "elsewhere"
     for name in filter(None, listed.stdout.decode().split("\0")):
-        source, target = ROOT / name, copy / name
+        source, target = ROOT / name, folder / name
         if source.is_file():
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(source.read_bytes())
             target.chmod(source.stat().st_mode & ~0o077)
             os.utime(target, (1_000_000_000, 1_000_000_000))
+    return folder
+
+
+@pytest.mark.skipif(shutil.which("reuse") is None, reason="needs reuse: make package has it")
+def test_every_file_says_its_licence(copy: Path) -> None:
+    done = subprocess.run(["reuse", "lint", "--lines"], cwd=copy, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_two_builds_give_the_same_files(copy: Path, tmp_path: Path) -> None:
+    """From another folder, with other times and modes of files, whatever the locale and the time zone."""
 
     def built(root: Path, name: str, **more: str) -> dict[str, str]:
         folder = tmp_path / name
