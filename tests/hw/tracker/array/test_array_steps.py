@@ -137,6 +137,35 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int, means: int) -> None:
     assert 5 < saturated < 55
 
 
+@pytest.mark.parametrize("means", [1, 2])
+def test_a_merge_that_begins_before_another_one_is_done(means: int) -> None:
+    """Only a reset makes room for it: the merge before goes on, and must not end this one, whenever this one begins."""
+    sim = load("array_merge", {
+        "POS_X": 5, "POS_Y": 4, "ROUND": 0, "RADIX_W": 4, "SUP_W": SUP_W, "ID_W": 8, "SLOT_W": 3, "MEANS": means,
+    })  # fmt: skip
+    io = sim.io
+
+    def waits(clocks: int) -> None:
+        for _ in range(clocks):
+            sim.clock.tick()
+
+    def takes(first: int, second: int) -> None:
+        """Two slots, at 8 times their number, of which the second is the older one."""
+        for take_a, take_b, slot, slot_before in ((1, 0, first, 0), (0, 1, second, first), (0, 0, 0, second)):
+            io.take_a, io.take_b, io.cm_x, io.cm_y = take_a, take_b, 8 * slot, 4 * slot
+            io.slot, io.support, io.b_first = slot_before, 1, 1
+            waits(1)
+
+    for clocks in range(4 * 5 + 10):
+        takes(1, 2)
+        waits(clocks)
+        takes(1, 3)
+        waits(3)
+        assert (io.stays, io.goes, io.done) == (3, 1, 0)
+        waits(4 * 5 + 10)
+        assert (io.done, io.join_x, io.join_y) == (1, 16, 8)
+
+
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
 X_W, Y_W, TICK_W, CLOCK_W = 6, 5, 4, 12
 PARAMETERS = {"X_W": X_W, "Y_W": Y_W, "TICK_W": TICK_W, "CLOCK_W": CLOCK_W}
