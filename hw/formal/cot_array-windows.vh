@@ -74,6 +74,7 @@ within = 40
 (* hierconn *) wire [SLOT_W-1:0] \u_match.else_slot ;
 (* hierconn *) wire [SLOT_W-1:0] \u_match.d_else_slot ;
 (* hierconn *) wire [SLOT_W-1:0] \u_match.d_active_slot ;
+(* hierconn *) wire [SLOT_W-1:0] \u_match.d_other_slot ;
 (* hierconn *) wire [N-1:0]      \u_update.f_timed ;
 (* hierconn *) wire [SLOT_W-1:0] \u_update.u_slot ;
 (* hierconn *) wire              \u_update.u_takes ;
@@ -252,6 +253,7 @@ always @* if (f_past) begin
     i_seeds:   assert (!c_seeds || !c_active);
 
     // Numbers of slots, which may have room for more.
+    i_slots_d: assert (!(f_d_valid && d_event) || (d_active ? u_match.d_active_slot < N : !d_other || u_match.d_other_slot < N));
     i_slots:   assert ((!(c_valid && c_takes) || c_slot < N) && (!u_update.u_takes || u_update.u_slot < N) && (!u_update.v_special || v_slot < N)
                        && (!(u_update.w_special || w_checks) || w_slot < N) && (!m_check || m_self < N) && (!e_check || e_self < N)
                        && (!(found || phase == FETCH || f_merging || f_joins) || (moved < N && found_slot < N)));
@@ -273,9 +275,9 @@ always @* if (f_past) begin
     i_copies:  assert (!(c_valid || c_busy) || c_slot == c_slot_rest);
 
     // A free slot has no deadline, so that its first event is special.
-    i_else:    assert (u_match.refreshes || (u_match.any_free_reg == |u_match.free && (!u_match.any_free_reg || u_match.free[u_match.else_slot])));
+    i_else:    assert (u_match.refreshes || (u_match.any_free_reg == |u_match.free && (!u_match.any_free_reg || (u_match.else_slot < N && u_match.free[u_match.else_slot]))));
     i_fresh:   assert (!e_valid || !u_match.refreshes);
-    i_else_d:  assert (!(f_d_valid && d_event && d_free && !d_active && !d_other) || u_match.free[u_match.d_else_slot]);
+    i_else_d:  assert (!(f_d_valid && d_event && d_free && !d_active && !d_other) || (u_match.d_else_slot < N && u_match.free[u_match.d_else_slot]));
     i_else_c:  assert (!(c_valid && c_takes && c_seeds) || u_match.free[c_slot]);
     i_free:    assert ((u_match.free & u_update.f_timed & ~(u_update.w_special ? FIRST << w_slot : NONE)) == NONE);
     i_cleared: assert ((!u_update.w_clear || !u_update.f_timed[w_slot]) && (!u_update.v_clear || u_update.v_times) && (!u_update.v_report || !u_update.v_times));
