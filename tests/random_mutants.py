@@ -5,7 +5,7 @@ Places are drawn evenly from all operators, numbers, conditions and register ass
 trackers, filters, metrics and readers (`python`). A mutant that is no valid program is drawn again. First the test file that
 mirrors the mutated file runs. If it passes, other tests follow: of RTL the files that mutations.toml names, which also serve as
 mirror of a module without its own test file; of Python all tests of the package. Yosys compares a surviving RTL mutant with
-the original. A test that fails must pass without the mutant.
+the original. A test that fails must pass without the mutant. equivalent_mutants.toml lists survivors that change no behaviour.
 """
 
 from __future__ import annotations
@@ -28,13 +28,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from evcot_cosim.fpga import tools
-from evcot_cosim.rtl.build import cache_dir
+from evcot_cosim.rtl.build import build, cache_dir
 from evcot_cosim.rtl.files import copy_rtl, rtl_files
 from evcot_cosim.rtl.toolchain import find_toolchain
 from mutations import mutations
+from support.testing import broken_text
 
 ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
+EQUIVALENT = TESTS / "equivalent_mutants.toml"
 PACKAGES = ("hardware", "trackers", "metrics", "recordings", "filters", "tracks")
 _TEST_S = 1800  # of one run of pytest, after which a mutant counts as killed: it hangs
 _YOSYS_S = 300
@@ -71,6 +73,36 @@ class Mutant:
         """File, line, and what replaces what."""
         line = source.count("\n", 0, self.begin) + 1
         return f"{self.file}:{line}: {' '.join(source[self.begin : self.end].split())} -> {self.wrong or 'nothing'}"
+
+
+@dataclass(frozen=True)
+class Equivalent:
+    """A mutant that changes no behaviour: `wrong` in place of `text`, which the file holds once, and why."""
+
+    file: str
+    text: str
+    wrong: str
+    why: str
+
+    def mutated(self, source: str) -> str:
+        """The mutated file.
+
+        Raises:
+            ValueError: the file does not hold `text` exactly once.
+        """
+        return broken_text(source, self.file, self.text, self.wrong)
+
+
+def equivalents(kind: str) -> list[Equivalent]:
+    """All rows of equivalent_mutants.toml of a kind, `rtl` or `python`."""
+    return [Equivalent(**row) for row in tomllib.loads(EQUIVALENT.read_text(encoding="utf-8")).get(kind, [])]
+
+
+def reason_of(mutant: Mutant, source: str, known: Sequence[Equivalent]) -> str:
+    """Why a mutant is known to be equivalent; empty if it is not known."""
+    mutated = "".join(mutant.text(source).split())
+    rows = (row for row in known if row.file == mutant.file)
+    return next((row.why for row in rows if "".join(row.mutated(source).split()) == mutated), "")
 
 
 def rtl_mutants(file: str, source: str) -> Iterator[Mutant]:
@@ -177,6 +209,7 @@ class Kind:
     stages: Callable[[Mutant], list[list[Path]]]
     """The test files that run: the mirror, then the others."""
     environment: Callable[[Path], dict[str, str]]
+    equivalents: Sequence[Equivalent]
 
     def draw(self, count: int, seed: int) -> Iterator[Mutant]:
         """Mutants in random order, each place once."""
@@ -187,6 +220,7 @@ class Kind:
 
 def rtl_kind() -> Kind:
     """The Verilog of the product."""
+    build("dff")  # with it Verilator's runtime, which all mutants share
     paths = rtl_files()
     sources = {name: path.read_text() for name, path in paths.items() if name.endswith(".v") and name != "parameter_check.v"}
     verilator = find_toolchain()
@@ -217,11 +251,10 @@ def rtl_kind() -> Kind:
     def environment(folder: Path) -> dict[str, str]:
         cache = folder.parent / "cache"
         cache.mkdir(exist_ok=True)
-        if not (cache / "runtime").exists():
-            (cache / "runtime").symlink_to(cache_dir() / "runtime")
+        (cache / "runtime").symlink_to(cache_dir() / "runtime")
         return {"EVCOT_VERILOG": str(folder), "EVCOT_CACHE": str(cache), "NUMBA_CACHE_DIR": str(cache_dir() / "numba")}
 
-    return Kind(sources, rtl_mutants, accepted, stages, environment)
+    return Kind(sources, rtl_mutants, accepted, stages, environment, equivalents("rtl"))
 
 
 def python_kind() -> Kind:
@@ -250,7 +283,7 @@ def python_kind() -> Kind:
     def environment(folder: Path) -> dict[str, str]:
         return {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT / "cosim")]), "EVCOT_CACHE": str(cache_dir())}
 
-    return Kind(sources, python_mutants, accepted, stages, environment)
+    return Kind(sources, python_mutants, accepted, stages, environment, equivalents("python"))
 
 
 def first_failure(tests: Sequence[Path], environment: dict[str, str]) -> str:
@@ -314,6 +347,8 @@ def is_equivalent(mutant: Mutant, folder: Path) -> bool:
 def verdict(kind: Kind, mutant: Mutant) -> tuple[str, str]:
     """What becomes of a mutant, in one word, and by what."""
     source = kind.sources[mutant.file]
+    if why := reason_of(mutant, source, kind.equivalents):
+        return "equivalent", why
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "sources"
         if not kind.accepted(mutant, source, folder):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """mutations.toml: every mistake has one place in the RTL as it is, and names tests that are there and caught it.
 
-random_mutants.py: which places of Verilog and Python are mutated, and how.
+random_mutants.py: which places of Verilog and Python are mutated, and how; equivalent_mutants.toml: each row is such a mutant.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 from evcot_cosim.rtl.files import rtl_files
 from mutations import Mutation, mutations, path_of
-from random_mutants import python_mutants, rtl_mutants
+from random_mutants import ROOT, Equivalent, equivalents, python_mutants, reason_of, rtl_mutants
 from support.testing import broken_text
 
 RTL = {name: path.read_text() for name, path in rtl_files().items()}
@@ -104,3 +106,21 @@ def test_python_is_mutated_in_function_bodies_alone() -> None:
 def test_a_mutant_differs_in_its_place_alone() -> None:
     (last,) = [one for one in python_mutants("clamp.py", FUNCTION) if one.wrong == "3"]
     assert last.text(FUNCTION) == FUNCTION.replace("value * 2", "value * 3")
+
+
+def test_every_equivalent_mutant_is_one_that_is_drawn() -> None:
+    for row in equivalents("rtl"):
+        drawn = rtl_mutants(row.file, RTL[row.file])
+        assert any(reason_of(mutant, RTL[row.file], [row]) for mutant in drawn), row
+    for row in equivalents("python"):
+        source = (ROOT / "sw" / row.file).read_text(encoding="utf-8")
+        assert any(reason_of(mutant, source, [row]) for mutant in python_mutants(row.file, source)), row
+
+
+def test_a_row_of_an_equivalent_mutant_names_one_place() -> None:
+    row = Equivalent("counter.v", "count + 4'd15", "count - 4'd15", "an example")
+    reasons = {mutant.describe(MODULE): reason_of(mutant, MODULE, [row]) for mutant in rtl_mutants("counter.v", MODULE)}
+    assert {where for where, why in reasons.items() if why == row.why} == {"counter.v:9: + -> -"}
+    gone = Equivalent("counter.v", "count + 4'd14", "count - 4'd14", "")
+    with pytest.raises(ValueError, match=r"counter\.v holds .* 0 times: must be once"):
+        gone.mutated(MODULE)
