@@ -42,7 +42,7 @@ def show(io: Any, values: dict[str, int], of_y: int) -> None:
         setattr(io, name, axis_of(values[name], of_y))
 
 
-@pytest.mark.parametrize("slot_w", [1, 3])
+@pytest.mark.parametrize("slot_w", [1, 3, 6])
 def test_random_slots(slot_w: int) -> None:
     widths = {"SLOT_W": slot_w, "SIDE_W": SIDE_W, "PX_W": PX_W, "REL_W": REL_W, "SUP_W": SUP_W, "ID_W": ID_W}
     sim = load("motion_context", widths, extra_flags=PORTS_ONLY_FLAGS)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from evcot_cosim.rtl.build import load
 from support.slow_motion import Axis
@@ -21,11 +22,12 @@ def _followed(axes: list[Axis]) -> int:
     return steps
 
 
-def test_random_slots() -> None:
-    sim, rng = load("motion_pace", {"SLOT_W": 3, "SIDE_W": SIDE_W}), np.random.default_rng(1)
+@pytest.mark.parametrize("slot_w", [1, 3, 6])
+def test_random_slots(slot_w: int) -> None:
+    sim, rng = load("motion_pace", {"SLOT_W": slot_w, "SIDE_W": SIDE_W}), np.random.default_rng(1)
     io, slots, lengths = sim.io, {}, set()
     for _ in range(3_000):
-        slot = int(rng.integers(8))
+        slot = int(rng.integers(1 << slot_w))
         command = str(rng.choice(["follow", "begins", "settle"], p=[0.9, 0.05, 0.05])) if slot in slots else "begins"
         axes = slots.setdefault(slot, [Axis(0, 0), Axis(0, 0)])
         for axis in axes:

@@ -16,9 +16,9 @@ LAP = 1 << 32  # of deadlines
 LAST, SEEDED, REPORTED = range(3)
 
 
-@pytest.fixture(name="part")
-def _part() -> Any:
-    sim = load("motion_times", {"SLOT_W": SLOT_W, "TIME_W": TIME_W})
+def part_of(slot_w: int) -> Any:
+    """The module after reset, and clocks with commands."""
+    sim = load("motion_times", {"SLOT_W": slot_w, "TIME_W": TIME_W})
     io = sim.io
     io.rst = 1
     sim.clock.tick()
@@ -36,6 +36,11 @@ def _part() -> Any:
     return SimpleNamespace(io=io, pulse=pulse)
 
 
+@pytest.fixture(name="part")
+def _part() -> Any:
+    return part_of(SLOT_W)
+
+
 def ends_at(part: Any, deadline: int) -> bool:
     """Whether the slot's time is over at this tick, and was not one before."""
     found = []
@@ -48,6 +53,25 @@ def ends_at(part: Any, deadline: int) -> bool:
 
 def usual_of(usual: int, ticks: int, first: bool) -> int:
     return ticks if first else usual + (ticks - usual >> 2) if ticks > 1 else usual
+
+
+@pytest.mark.parametrize("slot_w", [1, 6])
+def test_each_slot_has_three_times_and_a_deadline_of_its_own(slot_w: int) -> None:
+    part, slots = part_of(slot_w), range(1 << slot_w)
+    io, pulse = part.io, part.pulse
+    times = {(at, since): 1_000 + 10 * at + since for at in slots for since in (LAST, SEEDED, REPORTED)}
+    for (io.at, io.since), io.now in times.items():
+        pulse("keep_now")
+    for io.at in slots:
+        io.counted, io.detect_ticks = 500, 1 + int(io.at)
+        pulse("seed", clocks=2)
+        pulse("keep_until")
+    io.now = 5_000
+    for (io.at, io.since), then in times.items():
+        pulse(clocks=3)
+        assert int(io.age) == 5_000 - then
+    for io.at in slots:
+        assert ends_at(part, 501 + int(io.at))
 
 
 def test_corrections_and_the_deadline(part: Any) -> None:
