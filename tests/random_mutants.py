@@ -3,9 +3,9 @@
 
 Places are drawn evenly from all operators, numbers, conditions and register assignments of the RTL (`rtl`), and of the models,
 trackers, filters, metrics and readers (`python`). A mutant that is no valid program is drawn again. First the test file that
-mirrors the mutated file runs. If it passes, other tests follow: of RTL the files that mutations.toml names, which also serve as
-mirror of a module without its own test file; of Python all tests of the package. Yosys compares a surviving RTL mutant with
-the original. A test that fails must pass without the mutant. equivalent_mutants.toml lists survivors that change no behaviour.
+mirrors the mutated file runs. If it passes, Yosys compares a mutant of RTL with the original, and other tests follow: of RTL
+the files that mutations.toml names, which also serve as mirror of a module without its own test file; of Python all tests of
+the package. A test that fails must pass without the mutant. equivalent_mutants.toml lists survivors that change no behaviour.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ TESTS = ROOT / "tests"
 EQUIVALENT = TESTS / "equivalent_mutants.toml"
 PACKAGES = ("hardware", "trackers", "metrics", "recordings", "filters", "tracks")
 _TEST_S = 1800  # of one run of pytest, after which a mutant counts as killed: it hangs
-_YOSYS_S = 300
+_YOSYS_S = 120
 _NO_PROGRAM, _CRASH, _HANG = "it cannot be built", "a crash", "a test that hangs"
 
 _SWAPS = {"+": "-", "-": "+", "*": "+", "//": "*", "%": "*", "==": "!=", "!=": "==", "<": "<=", "<=": "<", ">": ">=", ">=": ">"}
@@ -211,11 +211,11 @@ class Kind:
     environment: Callable[[Path], dict[str, str]]
     equivalents: Sequence[Equivalent]
 
-    def draw(self, count: int, seed: int) -> Iterator[Mutant]:
-        """Mutants in random order, each place once."""
+    def draw(self, count: int, seed: int, skip: int = 0) -> Iterator[Mutant]:
+        """Mutants in random order, each place once, without the first ones."""
         every = [mutant for file, source in sorted(self.sources.items()) for mutant in self.mutants(file, source)]
         print(f"seed {seed}: {count} of {len(every)} places in {len(self.sources)} files", flush=True)
-        yield from random.Random(seed).sample(every, len(every))
+        yield from random.Random(seed).sample(every, len(every))[skip:]
 
 
 def rtl_kind() -> Kind:
@@ -245,6 +245,7 @@ def rtl_kind() -> Kind:
         mirror = [path for path in texts if path.name == f"test_{name}.py"]
         others = [path for path in texts if path.name in listed.get(mutant.file, ()) and path not in mirror]
         others = others or [path for path, text in texts.items() if re.search(rf"\b{name}\b", text) and path not in mirror]
+        others.sort(key=lambda path: path.parent == TESTS / "hw")  # tests of the whole hardware take longest
         rules = [TESTS / "hw" / f"test_parameters.py::test_refused[{name}]"] if name in refusing else []
         return [rules + mirror, others] if mirror else [rules + others, []]
 
@@ -331,8 +332,8 @@ def is_equivalent(mutant: Mutant, folder: Path) -> bool:
             f"hierarchy -libdir {sources} -top {top}",
             "proc",
             "flatten",
-            "memory",
-            "opt_clean",
+            "memory -nomap",  # of a memory in both, it is proven that equal words are written and read at equal addresses
+            "opt_clean -purge",
             f"rename {top} {name}",
             f"design -stash {name}",
         ]
@@ -358,21 +359,22 @@ def verdict(kind: Kind, mutant: Mutant) -> tuple[str, str]:
             if failure := first_failure(tests, environment):
                 require_pass(failure)
                 return ("invalid" if failure == _NO_PROGRAM else stage), failure
-        if mutant.file.endswith(".v") and is_equivalent(mutant, folder):
-            return "equivalent", "proven by Yosys"
+            if stage == "mirror" and mutant.file.endswith(".v") and is_equivalent(mutant, folder):
+                return "equivalent", "proven by Yosys"
     return "SURVIVED", ""
 
 
-def run(kind: Kind, count: int, seed: int, jobs: int) -> int:
-    """Try mutants and print what becomes of each; returns the number of survivors."""
+def run(kind: Kind, count: int, seed: int, jobs: int, skip: int) -> int:
+    """Try mutants and print what becomes of each, with its number among those drawn; returns the number of survivors."""
     counts = dict.fromkeys(("mirror", "others", "equivalent", "SURVIVED"), 0)
-    drawn = kind.draw(count, seed)
+    drawn = enumerate(kind.draw(count, seed, skip), skip)
     with ThreadPoolExecutor(jobs) as pool:
         while batch := list(itertools.islice(drawn, count - sum(counts.values()))):
-            for mutant, (fate, by) in zip(batch, pool.map(lambda one: verdict(kind, one), batch), strict=True):
+            fates = pool.map(lambda one: verdict(kind, one[1]), batch)
+            for (number, mutant), (fate, by) in zip(batch, fates, strict=True):
                 if fate != "invalid":
                     counts[fate] += 1
-                    print(f"{mutant.describe(kind.sources[mutant.file])}: {fate} {by}".rstrip(), flush=True)
+                    print(f"{number} {mutant.describe(kind.sources[mutant.file])}: {fate} {by}".rstrip(), flush=True)
     valid = sum(counts.values()) - counts["equivalent"]
     killed = counts["mirror"] + counts["others"]
     print(
@@ -388,6 +390,7 @@ def main() -> int:
     parser.add_argument("kinds", nargs="*", metavar="rtl|python", help="what is broken (default: both)")
     parser.add_argument("--count", type=int, help="mutants of each kind that are programs (default: rtl 300, python 200)")
     parser.add_argument("--seed", type=int, default=1, help="(default: %(default)s)")
+    parser.add_argument("--skip", type=int, default=0, help="how many of the places drawn were tried before (default: 0)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants tried at a time (default: one per core)")
     options = parser.parse_args()
     os.environ.setdefault("EVCOT_CACHE", str(ROOT / "build" / "cache"))
@@ -395,7 +398,7 @@ def main() -> int:
     if unknown := set(options.kinds) - kinds.keys():
         parser.error(f"{', '.join(sorted(unknown))}: must be rtl or python")
     chosen = [kinds[name] for name in options.kinds or kinds]
-    return int(sum(run(make(), options.count or count, options.seed, options.jobs) for make, count in chosen) > 0)
+    return int(sum(run(make(), options.count or count, options.seed, options.jobs, options.skip) for make, count in chosen) > 0)
 
 
 if __name__ == "__main__":
