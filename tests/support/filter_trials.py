@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from evcot.ticks import TickedEvents
 from evcot_cosim.devices.base import HardwareError, Stalls, check_waits
 
-from .stream_device import StreamDevice
+from .stream_device import StreamDevice, check_reset
 from .tokens import TOKENS_IN, TOKENS_OUT, ticked
 
 __all__ = [
     "FilterDevice",
     "FilterTimes",
     "FilterTraffic",
+    "check_reset_amid_events",
     "compare_with_reference",
     "filter_traffic",
     "parameters",
@@ -231,3 +232,12 @@ def compare_with_reference(
             f"hardware {'keeps' if keep[i] else 'drops'} it"
         )
     return float(np.mean(keep)) if len(keep) else 0.0
+
+
+def check_reset_amid_events(device: FilterDevice) -> None:
+    """As `check_reset`, with events and skipped events on a few pixels."""
+    rng, n = np.random.default_rng(1), 100
+    tick, skip, x, y, p = (rng.integers(0, below, n) for below in (2, 2, 3, 3, 2))
+    check_reset(device, {"s_": np.stack([tick, 1 - skip, skip, x, y, p], axis=1)})
+    device.stall(Stalls())
+    device.reset()

@@ -16,7 +16,7 @@ from pyverilator import PyVerilator
 from evcot_cosim.devices.base import Drive, Ending, HardwareError, Layout, Pattern, pattern_fields, pointer, reset, structure
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, build
 
-__all__ = ["Bundle", "StreamDevice", "StreamRun", "random_pattern", "random_stalls"]
+__all__ = ["Bundle", "StreamDevice", "StreamRun", "check_reset", "random_pattern", "random_stalls"]
 
 
 class Bundle(NamedTuple):
@@ -226,6 +226,29 @@ class StreamDevice:
         if pattern is not None and len(pattern):
             assert pattern.any(), f"{bundle.prefix}: never goes: a pattern must hold at least one 1"
             stream.go_pattern, stream.go_length = pointer(pattern), len(pattern)
+
+
+def check_reset(device: StreamDevice, words: Mapping[str, ArrayLike], seed: int = 1) -> None:
+    """A reset of one clock, at any moment of traffic and of stalls, leaves nothing of what was inside to come out.
+
+    Args:
+        words: traffic of about a hundred clocks, as of `StreamDevice.run`.
+
+    Raises:
+        AssertionError: a word came out after the reset.
+    """
+    rng, sim = np.random.default_rng(seed), device.sim
+    for _ in range(60):
+        device.reset()
+        device.stalls = {bundle.prefix: random_pattern(rng) for bundle in (*device.inputs, *device.outputs)}
+        device.run(words, clocks=int(rng.integers(1, 100)))
+        for bundle in device.outputs:
+            sim.io[f"{bundle.prefix}ready"] = int(rng.integers(2))
+        sim.io.rst = 1
+        sim.clock.tick()
+        sim.io.rst = 0
+        left = {prefix: len(rest) for prefix, rest in device.run().words.items()}
+        assert not any(left.values()), left
 
 
 def _grown(array: NDArray[Any], length: int) -> NDArray[Any]:

@@ -11,7 +11,15 @@ from evcot.filters.chain import FilterChain
 from evcot.filters.contract import CELL_STAMP_W, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
-from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
+from support.filter_trials import (
+    FilterDevice,
+    FilterTraffic,
+    check_reset_amid_events,
+    compare_with_reference,
+    filter_traffic,
+    parameters,
+    run_story,
+)
 from support.tokens import ticked
 
 TOP = "filter_cells"
@@ -222,6 +230,11 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int, int]) 
         stayed.append(compare_with_reference(device, traffic, lambda batch: golden(device, batch), parts=1 + run % 3))
     print(f"{shape}: {runs * n} events, {np.mean(stayed):.2f} stay")
     assert width * height == 1 or 0.02 < np.mean(stayed) < 0.98
+
+
+@pytest.mark.parametrize("cell_px", SIDES)
+def test_reset_amid_events_leaves_nothing(cell_px: int) -> None:
+    check_reset_amid_events(device_of(9, 6, cell_px))
 
 
 def test_the_rule_as_it_stands_gives_the_same(small: FilterDevice) -> None:

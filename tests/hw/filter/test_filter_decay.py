@@ -11,7 +11,15 @@ from evcot.filters.contract import FilterShape
 from evcot.filters.decay import DecayFilter, weights
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
-from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
+from support.filter_trials import (
+    FilterDevice,
+    FilterTraffic,
+    check_reset_amid_events,
+    compare_with_reference,
+    filter_traffic,
+    parameters,
+    run_story,
+)
 from support.tokens import ticked
 
 TOP = "filter_decay"
@@ -148,6 +156,11 @@ class TestStories:
         assert any(run_story(small, everywhere))
         for _, x, y in everywhere:
             assert run_story(small, [(0, x, y)]) == [False]
+
+
+@pytest.mark.parametrize("cell_px", [0, 2])
+def test_reset_amid_events_leaves_nothing(cell_px: int) -> None:
+    check_reset_amid_events(device_of(9, 6, 8, cell_px))
 
 
 # (width, height, tick_w) -> runs, events in each

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
-from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, FilterTraffic, check_reset_amid_events, compare_with_reference, filter_traffic
 from support.testing import PATTERNS, Sink, Source, always, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
@@ -92,6 +92,10 @@ def test_reset_unmarks_every_pixel_one_a_clock(width: int, height: int) -> None:
     device.settle()
     traffic = filter_traffic(np.random.default_rng(41), 5000, width, height, skips=0)
     assert compare_with_reference(device, traffic, Sensor(width, height)) == 1
+
+
+def test_reset_amid_events_leaves_nothing() -> None:
+    check_reset_amid_events(mask_filter(7, 5))
 
 
 @pytest.mark.parametrize(("width", "height"), [(1, 1), (21, 13), (32, 32), (346, 260)])

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
-from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, FilterTraffic, check_reset_amid_events, compare_with_reference, filter_traffic
 from support.tokens import ticked
 
 Story = list[tuple[int, int, int]]  # tick, x, y
@@ -142,6 +142,10 @@ def test_a_token_every_clock_six_clocks_later() -> None:
     _, times = recent_filter().stream_timed(traffic, traffic.keep)
     assert (np.diff(times.accepted) == 1).all()
     assert (times.given - times.accepted == 6).all()
+
+
+def test_reset_amid_events_leaves_nothing() -> None:
+    check_reset_amid_events(recent_filter())
 
 
 def test_reset_forgets_all_events() -> None:

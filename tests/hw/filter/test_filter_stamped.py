@@ -16,7 +16,15 @@ from evcot.filters.refractory import RefractoryFilter
 from evcot.filters.registers import FilterRegisters
 from evcot.filters.rowcol import RowColumnFilter
 from evcot_cosim.devices.base import Stalls
-from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
+from support.filter_trials import (
+    FilterDevice,
+    FilterTraffic,
+    check_reset_amid_events,
+    compare_with_reference,
+    filter_traffic,
+    parameters,
+    run_story,
+)
 from support.tokens import ticked
 
 Keep = NDArray[np.bool_]
@@ -306,6 +314,10 @@ def test_disabled_filter_passes_events_and_remembers_none_while_time_passes(whic
     for tick, x, y, enable, stays in DISABLED[which.name]:
         small.set(enable=enable)
         assert small.stream(ticked(tick, x, y)).tolist() == [stays], tick
+
+
+def test_reset_amid_events_leaves_nothing(which: Stamped) -> None:
+    check_reset_amid_events(which.device(9, 6, 6, 8))
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
-from support.filter_trials import FilterDevice, FilterTraffic, compare_with_reference, filter_traffic
+from support.filter_trials import FilterDevice, FilterTraffic, check_reset_amid_events, compare_with_reference, filter_traffic
 
 
 def polarity_filter(polarity: int, *, enable: int = 1) -> FilterDevice:
@@ -27,6 +27,11 @@ def test_one_polarity_stays(polarity: int) -> None:
 def test_hands_everything_on_when_not_enabled() -> None:
     traffic = filter_traffic(np.random.default_rng(22), 1000, 32, 16, skips=0)
     assert compare_with_reference(polarity_filter(1, enable=0), traffic, lambda batch: np.ones(1000, np.bool_)) == 1
+
+
+def test_reset_amid_events_leaves_nothing() -> None:
+    check_reset_amid_events(polarity_filter(1))
+    check_reset_amid_events(region_filter((0, 1, 0, 1)))
 
 
 NARROW = {"X_W": 5, "Y_W": 4, "TICK_W": 4}
