@@ -228,20 +228,21 @@ class StreamDevice:
             stream.go_pattern, stream.go_length = pointer(pattern), len(pattern)
 
 
-def check_reset(device: StreamDevice, words: Mapping[str, ArrayLike], seed: int = 1) -> None:
+def check_reset(device: StreamDevice, words: Mapping[str, ArrayLike], clocks: int = 100) -> None:
     """A reset of one clock, at any moment of traffic and of stalls, leaves nothing of what was inside to come out.
 
     Args:
-        words: traffic of about a hundred clocks, as of `StreamDevice.run`.
+        words: traffic, as of `StreamDevice.run`.
+        clocks: the latest moment of the reset.
 
     Raises:
         AssertionError: a word came out after the reset.
     """
-    rng, sim = np.random.default_rng(seed), device.sim
+    rng, sim = np.random.default_rng(1), device.sim
     for _ in range(60):
         device.reset()
         device.stalls = {bundle.prefix: random_pattern(rng) for bundle in (*device.inputs, *device.outputs)}
-        device.run(words, clocks=int(rng.integers(1, 100)))
+        device.run(words, clocks=int(rng.integers(1, clocks)))
         for bundle in device.outputs:
             sim.io[f"{bundle.prefix}ready"] = int(rng.integers(2))
         sim.io.rst = 1

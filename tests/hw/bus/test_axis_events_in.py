@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from evcot.hardware.streams import pack_events
-from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.stream_device import Bundle, StreamDevice, check_reset, random_stalls
 
 INPUT, OUTPUT = Bundle("s_axis_t", ("data", "keep", "last")), Bundle("m_", ("t", "x", "y", "p"))
 
@@ -28,6 +28,11 @@ def events(device: StreamDevice, t: ArrayLike, x: ArrayLike = 5, y: ArrayLike = 
     columns = [np.array(column) for column in np.broadcast_arrays(np.asarray(t), x, y, 1)]
     run = device.run({INPUT.prefix: beats(pack_events(*columns), keep)})
     return run.words[OUTPUT.prefix].astype(np.int64).tolist()
+
+
+def test_reset_amid_events_leaves_nothing(device: StreamDevice) -> None:
+    n = np.arange(100)
+    check_reset(device, {INPUT.prefix: beats(pack_events(n, n, n, n & 1))})
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from evcot.hardware.contract import RECORD
 from evcot.hardware.motion.contract import MOTION_RECORD
 from support.beats import event_beats
-from support.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
+from support.stream_device import Bundle, StreamDevice, StreamRun, check_reset, random_stalls
 
 COMMON = {"kind": 2, "slot": 3, "id": 32, "other": 32}
 REST = {"support": 16, "seq": 48, "time": 48}
@@ -51,6 +51,11 @@ def joined(run: StreamRun, width: int, record: np.dtype[np.void] = RECORD, packe
     length = packet * -(-8 * record.itemsize // width)
     assert beats[:, 2].tolist() == [int(i % length == length - 1) for i in range(len(beats))]
     return np.frombuffer(data[keep].tobytes(), record)
+
+
+@pytest.mark.parametrize("packet", [1, 3])
+def test_reset_amid_records_leaves_nothing(packet: int) -> None:
+    check_reset(device_of(64, packet=packet, wait=1), {"s_cm_": random_records(np.random.default_rng(1), 60)[0]})
 
 
 @pytest.mark.parametrize("motion", [False, True], ids=["radius", "motion"])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from evcot.hough.contract import HoughConfig
 from evcot.hough.transform import HoughTransform
-from support.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
+from support.stream_device import Bundle, StreamDevice, StreamRun, check_reset, random_stalls
 from support.testing import EXHAUSTIVE
 
 TOP = "hough_lines"
@@ -164,6 +164,11 @@ def test_a_reset_at_any_moment_leaves_nothing_behind() -> None:
         device.reset()
         found = meant(device.run({"s_": tokens}))
         assert np.array_equal(found, expected(HoughTransform(config), tokens)), run
+
+
+def test_reset_amid_tokens_leaves_nothing_to_come_out() -> None:
+    device = device_of(LEAST_STORIES)
+    check_reset(device, {"s_": random_tokens(np.random.default_rng(1), LEAST_STORIES, 300, 6, 5, 20)}, clocks=200)
 
 
 def test_a_token_takes_8_clocks_and_one_enters_per_clock() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.stream_device import Bundle, StreamDevice, check_reset, random_stalls
 
 TOP = "axis_words"
 # data_w, word_w
@@ -17,6 +17,13 @@ SHAPES = [(16, 16), (64, 16), (64, 32), (32, 64), (16, 32)]
 def device_of(data_w: int, word_w: int) -> StreamDevice:
     inputs, outputs = [Bundle("s_axis_t", ("data", "keep", "last"))], [Bundle("m_", ("word",))]
     return StreamDevice(TOP, {"DATA_W": data_w, "WORD_W": word_w}, inputs=inputs, outputs=outputs, has_idle=True)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_reset_amid_beats_leaves_nothing(shape: tuple[int, int]) -> None:
+    data_w, _ = shape
+    beat = [0, (1 << data_w // 8) - 1, 0]
+    check_reset(device_of(*shape), {"s_axis_t": [beat] * 60})
 
 
 def by_the_rule(beats: NDArray[np.uint64], data_w: int, word_w: int) -> tuple[list[int], int]:

@@ -16,7 +16,7 @@ from evcot.recordings.formats.evt2 import evt2_layout, evt21_layout
 from evcot.recordings.formats.evt3 import evt3_layout
 from evcot.recordings.formats.words import Layout, WordArray
 from support.evt import STREAMS, axis_beats, corrupted, decode, evt2_words, evt_device, payload, random_events
-from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.stream_device import Bundle, StreamDevice, check_reset, random_stalls
 
 TOP = "evt_source"
 WIDTH, HEIGHT = 20, 10
@@ -82,6 +82,10 @@ def device_of(bits: int, width: int, height: int, x_w: int, y_w: int) -> StreamD
     parameters = {"L": bits, "WIDTH": width, "HEIGHT": height, "X_W": x_w, "Y_W": y_w}
     inputs, outputs = [Bundle("s_", FIELDS)], [Bundle("m_", FIELDS[:4])]
     return StreamDevice(EVENT_VECTOR_TOP, parameters, inputs=inputs, outputs=outputs, has_idle=True)
+
+
+def test_reset_amid_vectors_leaves_nothing() -> None:
+    check_reset(device_of(*SHAPES[0]), {"s_": [[0, 0, 0, 0, 0b1011, 1]] * 30})
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.ticks import tick_times
-from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.stream_device import Bundle, StreamDevice, check_reset, random_stalls
 
 TOP = "stamp_ticks"
 EVENTS = Bundle("s_", ("t", "x", "y", "p"))
@@ -19,6 +19,11 @@ def device_of(tick_us: int, t_w: int = 48, *, divides: int = 1, off: int = 0) ->
     parameters = {"T_W": t_w, "X_W": 11, "Y_W": 11, "DIVIDES": divides}
     ports = {"tick_us": tick_us, "off": off}
     return StreamDevice(TOP, parameters, inputs=[EVENTS], outputs=[TICKED], ports=ports, has_idle=True)
+
+
+@pytest.mark.parametrize(("tick_us", "divides"), [(1, 0), (10, 1)])
+def test_reset_amid_events_leaves_nothing(tick_us: int, divides: int) -> None:
+    check_reset(device_of(tick_us, divides=divides), {"s_": [[t, 1, 2, 1] for t in range(0, 5_000, 50)]})
 
 
 def expected(t_us: NDArray[np.int64], rest: NDArray[np.int64], tick_us: int) -> NDArray[np.uint64]:

@@ -11,7 +11,7 @@ from pyverilator import PyVerilator
 from evcot.recordings.formats.words import advance
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
-from support.stream_device import StreamDevice, random_stalls
+from support.stream_device import StreamDevice, check_reset, random_stalls
 from support.tokens import TOKENS_IN, TOKENS_OUT
 
 
@@ -115,6 +115,10 @@ def test_what_does_not_fit_goes_ahead_in_halves() -> None:
     assert run.words["m_"][:, :3].tolist() == [
         [255, 1, 0], [128, 0, 0], [128, 1, 0], [128, 0, 0], [128, 0, 0], [128, 0, 0], [136, 0, 1],
     ]  # fmt: skip
+
+
+def test_reset_amid_tokens_leaves_nothing() -> None:
+    check_reset(device_of(16, 8), {"s_": [[520, 1, 0, 1, 2, 1], [0, 0, 1, 3, 4, 0]] * 30})
 
 
 @pytest.mark.parametrize(("wide_w", "tick_w"), [(20, 20), (12, 1), (48, 32)])

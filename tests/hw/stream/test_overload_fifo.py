@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from support.stream_device import StreamDevice, random_stalls
+from support.stream_device import StreamDevice, check_reset, random_stalls
 from support.testing import PATTERNS, Sink, Source, always, run_streams
 from support.tokens import TOKENS_IN, TOKENS_OUT, decode_tokens
 
@@ -36,6 +36,14 @@ def random_tokens(rng: np.random.Generator, n: int, tick_w: int) -> NDArray[np.u
     number = np.arange(n)
     columns = (tick, kind == 0, kind == 1, number & 0xFFFF, number >> 16, number & 1)
     return np.stack([np.asarray(column, np.uint64) for column in columns], axis=1)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("drop_enable", [0, 1])
+def test_reset_amid_tokens_leaves_nothing(shape: tuple[int, int, int], drop_enable: int) -> None:
+    device = device_of(*shape, drop_enable)
+    check_reset(device, {"s_": random_tokens(np.random.default_rng(1), 100, shape[1])})
+    assert device.sim.io.held == 0
 
 
 class TestStories:
