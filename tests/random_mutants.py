@@ -38,7 +38,7 @@ ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
 EQUIVALENT = TESTS / "equivalent_mutants.toml"
 PACKAGES = ("hardware", "trackers", "metrics", "recordings", "filters", "tracks")
-_TEST_S = 1800  # of one run of pytest, after which a mutant counts as killed: it hangs
+_RUN_S, _TEST_S = 1800, 120  # of a run of pytest, and of a test: a mutant that takes longer counts as killed, it hangs
 _YOSYS_S = 120
 _NO_PROGRAM, _CRASH, _HANG = "it cannot be built", "a crash", "a test that hangs"
 
@@ -232,6 +232,8 @@ def rtl_kind() -> Kind:
         listed.setdefault(mutation.file, set()).update(test.partition("::")[0] for test in mutation.tests)
 
     def accepted(mutant: Mutant, source: str, folder: Path) -> bool:
+        if re.search(r"\bwire unused\w* *=[^;]*$", source[: mutant.begin]):  # for linters alone
+            return False
         copy_rtl(folder)
         (folder / mutant.file).write_text(mutant.text(source))
         command = [str(verilator.executable), "--lint-only", "--default-language", "1364-2005", "-y", str(folder)]
@@ -292,6 +294,7 @@ def first_failure(tests: Sequence[Path], environment: dict[str, str]) -> str:
     if not tests:
         return ""
     command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider"]
+    command += ["-o", f"faulthandler_timeout={_TEST_S}"]  # pyproject.toml makes it end the run
     try:
         done = subprocess.run(
             [*command, *map(str, tests)],
@@ -300,9 +303,11 @@ def first_failure(tests: Sequence[Path], environment: dict[str, str]) -> str:
             capture_output=True,
             text=True,
             check=False,
-            timeout=_TEST_S,
+            timeout=_RUN_S,
         )
     except subprocess.TimeoutExpired:
+        return _HANG
+    if re.search(r"^Timeout \(", done.stderr, re.MULTILINE):
         return _HANG
     if "cannot build" in done.stdout:
         return _NO_PROGRAM
