@@ -4,8 +4,9 @@
 Places are drawn evenly from all operators, numbers, conditions and register assignments of the RTL (`rtl`), and of the models,
 trackers, filters, metrics and readers (`python`). A mutant that is no valid program is drawn again. First the test file that
 mirrors the mutated file runs. If it passes, Yosys compares a mutant of RTL with the original, and other tests follow: of RTL
-the files that mutations.toml names, which also serve as mirror of a module without its own test file; of Python all tests of
-the package. A test that fails must pass without the mutant. equivalent_mutants.toml lists survivors that change no behaviour.
+the files that mutations.toml names, or that name the module, which also serve as mirror of a module without its own test file,
+else all of its folder; of Python all tests of the package. A test that fails must pass without the mutant.
+equivalent_mutants.toml lists survivors that change no behaviour.
 """
 
 from __future__ import annotations
@@ -247,6 +248,7 @@ def rtl_kind() -> Kind:
         mirror = [path for path in texts if path.name == f"test_{name}.py"]
         others = [path for path in texts if path.name in listed.get(mutant.file, ()) and path not in mirror]
         others = others or [path for path, text in texts.items() if re.search(rf"\b{name}\b", text) and path not in mirror]
+        others = others or [path for path in texts if not mirror and path.parent.name == paths[mutant.file].parent.name]
         others.sort(key=lambda path: path.parent == TESTS / "hw")  # tests of the whole hardware take longest
         rules = [TESTS / "hw" / f"test_parameters.py::test_refused[{name}]"] if name in refusing else []
         return [rules + mirror, others] if mirror else [rules + others, []]
