@@ -13,11 +13,23 @@ from evcot.errors import ConfigError
 from evcot.filters.config import DEFAULT_FILTERS
 from evcot.filters.contract import FILTER_REGISTERS, mask_word
 from evcot.hardware.contract import REGISTERS
+from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RULES, Rule
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import pack_events
 from evcot_cosim.devices.base import reset
-from evcot_cosim.devices.top_device import Pace, TopDevice, TopRun, address_of, filter_address, poll, read, slot_address, write
+from evcot_cosim.devices.top_device import (
+    Pace,
+    TopDevice,
+    TopRun,
+    address_of,
+    bank_address,
+    filter_address,
+    poll,
+    read,
+    slot_address,
+    write,
+)
 from evcot_cosim.rtl.build import load
 from support.top import BUILDS, device_of
 
@@ -253,24 +265,33 @@ def test_what_happens_in_the_clock_that_clears_it_interrupts_again() -> None:
     assert seen[99:] == [1] * 101
 
 
-class Alone:
-    """axi_lite_regs without the rest of the top: a test drives its ports."""
+WHOLE = {"N": 2, "TRACKER": 2, "CLASSIFY": 1}  # with the banks of cot_motion and of the classifier
 
-    def __init__(self) -> None:
-        self.sim = load("axi_lite_regs", {"N": 1})
-        self.io = self.sim.io
+
+class Alone:
+    """axi_lite_regs without the rest of the top: a test drives its ports; `response` is that of the last access."""
+
+    def __init__(self, parameters: dict[str, int]) -> None:
+        self.sim = load("axi_lite_regs", parameters)
+        self.io, self.response = self.sim.io, OKAY
+        self.io.core_rst = 1
         reset(self.sim)
+        self.io.core_rst = 0
         self.io.s_axil_bready = self.io.s_axil_rready = 1
 
     def _access(self, channels: tuple[str, ...], answer: str) -> None:
         """Offer an access on its channels and clock until its answer is valid."""
         for channel in channels:
             self.io[f"s_axil_{channel}valid"] = 1
-        while not self.io[f"s_axil_{answer}valid"]:
+        for _ in range(400):
+            if self.io[f"s_axil_{answer}valid"]:
+                break
             taken = [channel for channel in channels if self.io[f"s_axil_{channel}ready"]]
             self.sim.clock.tick()
             for channel in taken:
                 self.io[f"s_axil_{channel}valid"] = 0
+        assert self.io[f"s_axil_{answer}valid"], "no answer"
+        self.response = int(self.io[f"s_axil_{answer}resp"])
 
     def write(self, address: int, value: int) -> None:
         self.io.s_axil_awaddr, self.io.s_axil_wdata, self.io.s_axil_wstrb = address, value, 15
@@ -284,9 +305,120 @@ class Alone:
         self.sim.clock.tick()
         return value
 
+    def copied(self) -> list[tuple[str, int, int]]:
+        """Let the bank that is committed take effect; returns what each port says: its name, address and value."""
+        io, found = self.io, []
+        io.apply = 1
+        for _ in range(100):
+            if not io.busy:
+                break
+            self.sim.clock.tick()
+            if io.cfg_valid:
+                found.append((f"slot {int(io.cfg_slot)}", int(io.cfg_addr), int(io.cfg_data)))
+            if io.filter_cfg_valid:
+                found.append(("filter", int(io.filter_cfg_addr), int(io.filter_cfg_data)))
+            if io.classifier_cfg_valid:
+                found.append(("classifier", int(io.cfg_addr), int(io.cfg_data)))
+        assert not io.busy
+        io.apply = 0
+        return found
+
+
+def values_of(alone: Alone, bank: str, number: int = 0) -> list[tuple[int, int]]:
+    """Address and value of each register of a bank, in order, without `mask`, which takes effect when it is written."""
+    registers = register_map().banks[bank].registers.items()
+    rows = sorted((register.address, name) for name, register in registers if name != "mask")
+    return [(address, alone.read(bank_address(bank, name, number))) for address, name in rows]
+
+
+def test_a_commit_copies_its_slot_with_mode_last_and_only_if_it_was_written() -> None:
+    alone = Alone({"N": 3})
+    for name in REGISTERS:
+        alone.write(slot_address(2, name), REGISTERS[name].low + 1)
+    mode, *rest = values_of(alone, "slot", 2)
+    assert mode == (0, 1)
+    alone.write(slot_address(2), 1)
+    assert alone.copied() == [("slot 2", *each) for each in (*rest, mode)]
+    alone.write(slot_address(2), 1)
+    assert alone.copied() == [("slot 2", *each) for each in rest]
+    alone.write(slot_address(1), 1)
+    assert alone.copied()[-1] == ("slot 1", 0, 0), "after a reset, each mode counts as written"
+
+
+@pytest.mark.parametrize("parameters", [{"N": 3}, WHOLE], ids=["array", "motion"])
+def test_a_commit_copies_the_filters_without_their_mask_and_enable_last(parameters: dict[str, int]) -> None:
+    alone = Alone(parameters)
+    alone.write(filter_address("enable"), 0b101)
+    alone.write(filter_address(), 1)
+    enable, *rest = values_of(alone, "filter")
+    assert enable == (0, 0b101)
+    assert alone.copied() == [("filter", *each) for each in (*rest, enable)]
+
+
+def test_a_commit_copies_the_banks_of_motion_and_of_the_classifier_to_their_ports() -> None:
+    alone = Alone(WHOLE)
+    alone.io.weights_loaded = 2_736
+    alone.write(slot_address(1, "mode"), 2)
+    alone.write(slot_address(1), 1)
+    assert alone.copied() == [("slot 1", 0, 2)]
+    alone.write(slot_address(1), 1)
+    assert alone.copied() == []
+    for bank, first in (("motion", 0), ("tracks", 32)):
+        alone.write(bank_address(bank), 1)
+        wanted = [(first + address, value) for address, value in values_of(alone, bank)]
+        found = alone.copied()
+        assert [(address, value) for _, address, value in found] == wanted
+        assert {port.partition(" ")[0] for port, _, _ in found} == {"slot"}
+    alone.write(bank_address("classifier", "enable"), 1)
+    alone.write(bank_address("classifier"), 1)
+    assert alone.copied() == [("classifier", *each) for each in values_of(alone, "classifier")]
+
+
+def test_the_classifier_is_enabled_when_all_of_its_weights_are_loaded() -> None:
+    alone, commit, enable = Alone(WHOLE), bank_address("classifier"), bank_address("classifier", "enable")
+    alone.write(address_of("control"), 4)
+    for loaded, value, response in ((0, 0, OKAY), (0, 1, SLVERR), (2_735, 1, SLVERR), (2_736, 1, OKAY), (2_735, 0, OKAY)):
+        alone.io.weights_loaded = loaded
+        alone.write(enable, value)
+        alone.write(commit, 1)
+        assert (alone.response, int(alone.io.busy)) == (response, int(response == OKAY)), (loaded, value)
+        alone.copied()
+    alone.io.weights_loaded = 0
+    alone.write(enable, 1)
+    for other in (slot_address(0), filter_address(), bank_address("motion"), bank_address("tracks")):
+        alone.write(other, 1)
+        assert alone.response == OKAY, "the commit of another bank"
+
+
+@pytest.mark.parametrize("rule", MOTION_RULES, ids=lambda rule: str(rule.less))
+def test_registers_of_motion_that_contradict_each_other_are_not_committed(rule: Rule) -> None:
+    alone = Alone(WHOLE)
+    bank = next(name for name, registers in MOTION_BANKS.items() if rule.less in registers)
+    alone.write(address_of("control"), 4)
+    most = alone.read(bank_address(bank, rule.more)) // rule.times
+    for value, response in ((most, OKAY), (most + 1, SLVERR)):
+        alone.write(bank_address(bank, rule.less), value)
+        alone.write(bank_address(bank), 1)
+        assert (alone.response, int(alone.io.busy)) == (response, int(response == OKAY))
+        alone.copied()
+
+
+def test_every_address_is_known_with_motion_and_the_classifier_or_answers_with_an_error() -> None:
+    alone = Alone(WHOLE)
+    alone.write(address_of("control"), 4)
+    banks = {name: bank.registers for name, bank in register_map().banks.items() if name != "slot"}
+    known = {word.address for word in register_map().words if word.built != "SOURCES_32[1]"}
+    known |= {slot_address(slot, name) for slot in range(2) for name in ("mode", "commit")}
+    known |= {bank_address(bank, name) for bank, registers in banks.items() for name in (*registers, "commit")}
+    found = set()
+    for address in range(0, 1 << register_map().address_w, 4):
+        alone.read(address)
+        found |= {address} if alone.response == OKAY else set()
+    assert found == known
+
 
 def test_counters_read_as_they_were_at_the_last_latch() -> None:
-    alone = Alone()
+    alone = Alone({"N": 1})
 
     def count(first: int) -> dict[str, int]:
         """Give each counter a number of its own."""
