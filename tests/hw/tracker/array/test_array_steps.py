@@ -306,3 +306,19 @@ def test_without_being_asked_eight_more_find_a_place(sim: PyVerilator) -> None:
     sink = Sink(sim, "m_own", OWNED, always())
     run_streams(sim, [], [sink])
     assert [word[-1] for word in sink.words] == list(range(sent))
+
+
+@pytest.mark.parametrize("owned", [0, 1])
+def test_it_is_empty_before_its_first_event_and_after_its_last_was_taken(sim: PyVerilator, owned: int) -> None:
+    io = sim.io
+    ready = "m_own_ready" if owned else "m_pass_ready"
+    io.m_own_ready = io.m_pass_ready = 0
+    assert io.empty == 1
+    offer(sim, (owned, 0, 1, 2, 3, 4, 1), 0)
+    empty = []
+    for clock in range(9):
+        sim.clock.tick()
+        io.s_valid = 0
+        io[ready] = int(clock >= 5)
+        empty.append(int(io.empty))
+    assert empty == [0] * 6 + [1] * 3

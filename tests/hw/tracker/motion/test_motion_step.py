@@ -23,7 +23,12 @@ COMMANDS = (
 TAKE = (  # clocks of motion_pair.v, motion_meeting.v and motion_times.v, more or less; motion_merge.v takes longer
     ("c_compare", "pair", 21, 22), ("c_ask", "meet", 10, 10 + N), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
 )  # fmt: skip
-MEET_ALL = (("c_compare", "pair", 23, 24), ("c_ask", "meet", 10 + N, 11 + N), *TAKE[2:])  # as long as with N slots in use
+MEET_ALL = (
+    ("c_compare", "pair", 23, 24),
+    ("c_ask", "meet", 10 + N, 11 + N),
+    ("merge", "merge", 2, 20),
+    ("c_divide", "divide", 1, 2),
+)  # as with N slots in use
 Pairs = dict[tuple[int, int], bool]
 
 
@@ -265,22 +270,41 @@ def test_random_steps(stalls: bool) -> None:
     assert min(seen.get(name, 0) for name in (*COMMANDS, "leave", "resume")) > 2, seen
 
 
-def test_steps_of_candidates_take_the_stated_clocks() -> None:
+LIVES = 46 + N - 1  # clocks of a step after which a candidate is what it was
+CLOCKS = {  # what becomes of a slot -> its state, what is found out, clocks
+    "may return": ("left", {}, 20),
+    "lives": ("candidate", {}, LIVES),
+    "is compared with one": ("candidate", {"near": 1}, LIVES + 30 + 4),
+    "is compared with two": ("candidate", {"near": 2}, LIVES + 60 + 4),
+    "becomes visible": ("candidate", {"appears": 1}, LIVES + 5),
+    "becomes visible as one that had left": ("candidate", {"appears": 1, "returned": 1}, LIVES + 5 + 5),
+    "ends": ("candidate", {"ended": 1}, 14),
+    "is not held": ("candidate", {"held": 1}, LIVES - 3),
+    "visible, lives": ("visible", {}, LIVES - 5),
+    "visible, is reported": ("visible", {"overdue": 1}, LIVES - 4),
+    "visible, ends": ("visible", {"ended": 1}, 15),
+    "visible, leaves": ("visible", {"ended": 1, "may_return": 1}, 25),
+}
+
+
+@pytest.mark.parametrize("name", CLOCKS)
+def test_a_step_takes_the_stated_clocks(name: str) -> None:
+    state, given, clocks = CLOCKS[name]
     sim = load("motion_step", {"N": N, "SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS)
     rng = np.random.default_rng(3)
     control = Around(sim, rng, COMMANDS, TO_SIDES)
     control.reset()
-    took = []
-    for state, near in (("left", 0), ("candidate", 0), ("candidate", 1), ("candidate", 2)):
-        step = random_step(rng)
-        step.states, step.corrections = [state] * N, [4] * N
-        step.ended = step.held = step.appears = [False] * N
-        step.touched = step.returned = [[] for _ in range(N)]
-        step.near = {(a, b): b > 1 and b < 2 + near for a in range(N) for b in range(N)}
-        step.alike = dict.fromkeys(step.alike, False)
-        sim.io.start, sim.io.work_slot, begun = 1, 1, control.clocks
-        run(control, step, rng, MEET_ALL)
-        took.append(control.clocks - begun)
+    step = random_step(rng)
+    step.states, step.corrections = [state] * N, [4] * N
+    for flag in ("ended", "held", "appears", "overdue"):
+        setattr(step, flag, [bool(given.get(flag))] * N)
+    step.touched = [[] for _ in range(N)]
+    step.returned = [[3] * given.get("returned", 0) for _ in range(N)]
+    if step.returned[1]:
+        step.states[3] = "left"
+    step.near = {(a, b): b > 1 and b < 2 + given.get("near", 0) for a in range(N) for b in range(N)}
+    step.alike, step.may_return = dict.fromkeys(step.alike, False), bool(given.get("may_return"))
+    sim.io.start, sim.io.work_slot, begun = 1, 1, control.clocks
+    run(control, step, rng, MEET_ALL)
     before_and_after = 2  # clocks of run() that are not of the step
-    lives = 46 + N - 1
-    assert [clocks - before_and_after for clocks in took] == [20, lives, lives + 30 + 4, lives + 60 + 4]
+    assert control.clocks - begun - before_and_after == clocks
