@@ -93,6 +93,13 @@ def test_stalls_change_nothing() -> None:
         equal(bare_device(config, stalls=stalls).stream(scene(3)), plain)
 
 
+@pytest.mark.parametrize("output", ["cm", "own", "passed"])
+def test_an_output_that_waits_longer_than_the_watchdog_loses_nothing(output: str) -> None:
+    config = MotionConfig(SHAPE, QUICK)
+    waits = np.repeat(np.array([0, 1], np.uint8), 20_000)  # the watchdog restarts hardware that stands still for 2^14 clocks
+    equal(bare_device(config, stalls=Stalls(**{output: waits})).stream(scene(3)), MotionModel(config).feed(scene(3)))
+
+
 @pytest.mark.parametrize("writes", [1, 3])
 def test_a_write_of_mode_restarts_a_slot_between_two_events(writes: int) -> None:
     rng, events = np.random.default_rng(4), scene(4)
