@@ -8,11 +8,46 @@ from collections.abc import Sequence
 import numpy as np
 from pyverilator import PyVerilator
 
-__all__ = ["Control", "Said"]
+__all__ = ["Control", "Said", "check_reset"]
 
 Said = tuple[str, int] | tuple[str, int, int]
 READ, WINDOW, SOON = 4, 6, 2  # clocks from `fetch` until the slot is read: motion_work.v; of a window: motion_window.v
 LONGEST, MOST = 250, 400  # clocks in which nothing is said; what is said in all
+
+
+def check_reset(sim: PyVerilator, commands: Sequence[str], **start: int) -> None:
+    """A few clocks after a reset of one clock, at any moment of a job, the module rests and commands nothing.
+
+    Args:
+        start: inputs that begin the job.
+
+    Raises:
+        AssertionError: it does not rest, or commands something.
+    """
+    io = sim.io
+    names = [*commands, *(name for name in ("fetch", "load", "unite", "say", "done") if name in dir(io))]
+    for name in ("read_done", "window_done", "window_soon", "record_free", "pair_done", "meet_done", "lane"):
+        if name in dir(io):
+            setattr(io, name, 1)
+    rested = 0
+    for moment in range(60):
+        for name, value in start.items():
+            setattr(io, name, value)
+        for _ in range(moment):
+            sim.clock.tick()
+        rested += int(io.rests)
+        for name in start:
+            setattr(io, name, 0)
+        io.rst = 1
+        sim.clock.tick()
+        io.rst = 0
+        for _ in range(SOON + 2):  # what was on its way
+            sim.clock.tick()
+        for _ in range(12):
+            assert int(io.rests), moment
+            assert [name for name in names if int(io[name])] == [], moment
+            sim.clock.tick()
+    assert rested < 30, "the job lasts"
 
 
 class Control:

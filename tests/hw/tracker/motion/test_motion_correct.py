@@ -10,7 +10,7 @@ import pytest
 
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.motion_control import Control, Said
+from support.motion_control import Control, Said, check_reset
 
 SLOT_W = 3
 LAST, SEEDED, REPORTED = range(3)
@@ -96,6 +96,11 @@ def words(said: list[Said], axes: dict[int, int]) -> list[str]:
         on_axis = name in ("look", "c_cut_high", "c_cut_low", "c_order")
         found.append(" ".join([name, *(str(int(number)) for number in more), *[str(axes.get(i))] * on_axis]))
     return found
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_reset_at_any_moment_of_a_job_ends_it(seed: int) -> None:
+    check_reset(load("motion_correct", {"SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS), COMMANDS, start=1, seed=seed)
 
 
 @pytest.mark.parametrize("stalls", [False, True])

@@ -8,7 +8,7 @@ import pytest
 
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.motion_control import Control, Said
+from support.motion_control import Control, Said, check_reset
 
 N, SLOT_W, ID_W = 5, 3, 8
 TO_SIDES = ("c_settle", "c_reflect", "c_cover")
@@ -25,6 +25,10 @@ def merge_of(stays: int, goes: int, visible: list[bool], later: bool) -> list[Sa
     said += [("c_window", stays), ("keep_window", stays), ("keep", stays)]
     said += [("keep_now", stays), ("say", stays, Kind.MOVED)] * visible[stays]
     return said
+
+
+def test_a_reset_at_any_moment_of_a_merge_ends_it() -> None:
+    check_reset(load("motion_merge", {"SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS), COMMANDS, start=1)
 
 
 @pytest.mark.parametrize("stalls", [False, True])
