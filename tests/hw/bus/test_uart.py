@@ -18,7 +18,7 @@ DATA = np.random.default_rng(77).bytes(20)
 WORDS = [(value,) for value in DATA]
 
 
-@pytest.mark.parametrize("divisor", [2, 5])
+@pytest.mark.parametrize("divisor", [2, 5, 12])
 def test_bytes_follow_each_other_and_then_the_line_rests(divisor: int) -> None:
     """A byte takes its ten bits and the clock in which the next one is taken."""
     sim = load(TOP, {"DIVISOR": divisor})
