@@ -37,7 +37,7 @@ from support.testing import broken_text
 
 ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
-EQUIVALENT = TESTS / "equivalent_mutants.toml"
+EQUIVALENT, PARAMETERS = TESTS / "equivalent_mutants.toml", TESTS / "hw" / "parameters.toml"
 PACKAGES = ("hardware", "trackers", "metrics", "recordings", "filters", "tracks")
 _RUN_S, _TEST_S = 1800, 120  # of a run of pytest, and of a test: a mutant that takes longer counts as killed, it hangs
 _YOSYS_S = 120
@@ -226,7 +226,7 @@ def rtl_kind() -> Kind:
     sources = {name: path.read_text() for name, path in paths.items() if name.endswith(".v") and name != "parameter_check.v"}
     verilator = find_toolchain()
     texts = {path: path.read_text(encoding="utf-8") for path in sorted((TESTS / "hw").rglob("test_*.py"))}
-    table = tomllib.loads((TESTS / "hw" / "parameters.toml").read_text(encoding="utf-8"))
+    table = tomllib.loads(PARAMETERS.read_text(encoding="utf-8"))
     refusing = {module for module, parameters in table.items() if "refuses" in parameters}
     listed: dict[str, set[str]] = {}
     for mutation in mutations():
@@ -329,13 +329,20 @@ def require_pass(failure: str) -> None:
 
 
 def is_equivalent(mutant: Mutant, folder: Path) -> bool:
-    """Whether Yosys proves that a mutated module does the same from every state, register by register."""
-    top = Path(mutant.file).stem
+    """Whether Yosys proves, for all parameters of parameters.toml, that a mutated module does the same from every state."""
+    accepted = tomllib.loads(PARAMETERS.read_text(encoding="utf-8")).get(Path(mutant.file).stem, {}).get("accepts", [])
     copy_rtl(folder.parent / "gold")
+    return all(is_proven(mutant, folder, parameters) for parameters in [{}, *filter(None, accepted)])
+
+
+def is_proven(mutant: Mutant, folder: Path, parameters: dict[str, int]) -> bool:
+    """Whether Yosys proves that a mutated module with these parameters does the same, register by register."""
+    top = Path(mutant.file).stem
     script = []
     for name, sources in (("gold", "gold"), ("gate", folder.name)):
         script += [
             f"read_verilog -I{sources} {sources}/{mutant.file}",
+            *(f"chparam -set {name} {value} {top}" for name, value in parameters.items()),
             f"hierarchy -libdir {sources} -top {top}",
             "proc",
             "flatten",
