@@ -99,6 +99,24 @@ def test_what_the_lfsr_gives_beyond_the_sensor_is_left_out_and_counted() -> None
     assert registers.counters()["malformed"] >= inside[-1] + 1 - len(found) > 1_000
 
 
+@pytest.mark.parametrize("gap", [0, 1, 5])
+def test_time_of_the_lfsr_begins_with_its_first_event(gap: int) -> None:
+    sim = load("event_sources", {"SOURCES": 1 << EVENTS | 1 << LFSR})
+    io = sim.io
+    io.select, io.lfsr_seed, io.lfsr_gap, io.lfsr_x_span, io.lfsr_y_span = LFSR, 0xC0FFEE, gap, 60, 60
+    io.tick_us, io.m_ready = 1, 1
+    reset(sim)
+    ticks = []
+    for _ in range(200):
+        sim.clock.tick()
+        if io.m_valid and io.m_event:
+            ticks.append(int(io.m_tick))
+    source = LfsrEventSource(x_w=9, y_w=9, seed=0xC0FFEE, gap=gap, x_min=0, x_span=60, y_min=0, y_span=60)
+    t_us = source.events(len(ticks)).t_us
+    assert ticks == np.diff(t_us, prepend=t_us[:1]).tolist()
+    assert (len(ticks) > 20, int(io.n_backward)) == (True, 0)
+
+
 def test_damaged_words_are_skipped_and_counted(tmp_path: Path) -> None:
     rng = np.random.default_rng(6)
     events = random_events(rng, 3_000, SENSOR.width, SENSOR.height, 100_000)
