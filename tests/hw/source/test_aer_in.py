@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.devices.base import HardwareError
+from evcot_cosim.devices.base import HardwareError, reset
 from support.aer_device import STEPS_PER_CLOCK, AerDevice, Chip
 from support.stream_device import random_pattern
 from support.testing import broken_copy
@@ -140,6 +140,25 @@ def test_nothing_is_lost_whenever_the_chip_moves(shape: tuple[int, int, int, int
             pattern = random_pattern(rng, 0.1) if active_low else None
             clocks = check(device, make(rng, 25_000, shape), chip, 8 * k + active_low, pattern)
             print(f"{shape} {mode} {name}: {clocks:.2f} clocks a word")
+
+
+@pytest.mark.parametrize("counter", ["n_outside", "n_rowless"])
+def test_reset_forgets_what_was_to_be_counted(counter: str) -> None:
+    """The word is beyond the sensor, or a column without a row; the reset of one clock comes at any moment of it."""
+    sim = device_of(*SHAPES[0]).sim
+    io, counted = sim.io, []
+    io.word_serial, io.aer_row, io.aer_data = int(counter == "n_rowless"), 0, 0xFFFF
+    for moment in range(12):
+        io.aer_req = 0
+        reset(sim, clocks=8)
+        io.aer_req = 1
+        for _ in range(moment):
+            sim.clock.tick()
+        counted.append(int(io[counter]))
+        reset(sim, clocks=1)
+        sim.clock.tick()
+        assert int(io[counter]) == 0, moment
+    assert set(counted) == {0, 1}
 
 
 def test_reset_forgets_the_row() -> None:

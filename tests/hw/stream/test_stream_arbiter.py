@@ -207,3 +207,20 @@ def test_numbers_the_events_that_went_through(sim: PyVerilator) -> None:
         through += int(sim.io.m_valid and sim.io.m_ready and sim.io.s_counts)
         sim.clock.tick()
     assert through > 20
+
+
+def test_a_word_that_comes_while_the_output_waits_follows_at_once() -> None:
+    sim, given = arbiter(3), []
+    sim.io.m_ready = 0
+    for stream in (0, 2):
+        sim.io.s_valid, sim.io.s_data = 1 << stream, (stream + 1) << stream * W
+        sim.clock.tick()
+        sim.io.s_valid = 0
+        for _ in range(4):
+            sim.clock.tick()
+    sim.io.m_ready = 1
+    for _ in range(3):
+        given.append((int(sim.io.m_valid), int(sim.io.m_data)))
+        sim.clock.tick()
+    assert [valid for valid, _ in given] == [1, 1, 0]
+    assert [data for _, data in given[:2]] == [1, 3]
