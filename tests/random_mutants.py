@@ -22,6 +22,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -280,13 +281,19 @@ def python_kind() -> Kind:
     def stages(mutant: Mutant) -> list[list[Path]]:
         inside = Path(mutant.file).relative_to("evcot")
         top, folder = TESTS / "sw" / inside.parts[0], TESTS / "sw" / inside.parent
-        named = [place / f"test_{name}.py" for place in (folder, top) for name in (inside.stem.strip("_"), inside.parent.name)]
+        stem = inside.stem.strip("_")
+        names = stem, stem.partition("_")[0], inside.parent.name  # hdf5_chunks.py is tested with hdf5.py
+        named = [place / f"test_{name}.py" for place in (folder, top) for name in names]
         mirror = next(([path] for path in named if path.is_file()), sorted(folder.rglob("test_*.py")))
         others = [path for path in sorted(top.rglob("test_*.py")) if path not in mirror]
         return [mirror, others]
 
     def environment(folder: Path) -> dict[str, str]:
-        return {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT / "cosim")]), "EVCOT_CACHE": str(cache_dir())}
+        return {
+            "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT / "cosim")]),
+            "EVCOT_CACHE": str(cache_dir()),
+            "NUMBA_CACHE_DIR": str(folder.parent / "kernels"),
+        }
 
     return Kind(sources, python_mutants, accepted, stages, environment, equivalents("python"))
 
@@ -359,13 +366,19 @@ def is_proven(mutant: Mutant, folder: Path, parameters: dict[str, int]) -> bool:
         return False
 
 
-def verdict(kind: Kind, mutant: Mutant) -> tuple[str, str]:
-    """What becomes of a mutant, in one word, and by what."""
+def verdict(kind: Kind, mutant: Mutant, work: Path) -> tuple[str, str]:
+    """What becomes of a mutant, in one word, and by what.
+
+    A thread has its own folder in `work`, and puts all its mutants in the same place: Numba then finds the kernels of folders
+    that neither this mutant nor the one before has changed.
+    """
     source = kind.sources[mutant.file]
     if why := reason_of(mutant, source, kind.equivalents):
         return "equivalent", why
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary) / "sources"
+    own = work / threading.current_thread().name
+    own.mkdir(exist_ok=True)
+    folder = own / "sources"
+    try:
         if not kind.accepted(mutant, source, folder):
             return "invalid", ""
         environment = kind.environment(folder)
@@ -375,6 +388,9 @@ def verdict(kind: Kind, mutant: Mutant) -> tuple[str, str]:
                 return ("invalid" if failure == _NO_PROGRAM else stage), failure
             if stage == "mirror" and mutant.file.endswith(".v") and is_equivalent(mutant, folder):
                 return "equivalent", "proven by Yosys"
+    finally:
+        for used in ("sources", "gold", "cache"):
+            shutil.rmtree(own / used, ignore_errors=True)
     return "SURVIVED", ""
 
 
@@ -382,9 +398,9 @@ def run(kind: Kind, count: int, seed: int, jobs: int, skip: int) -> int:
     """Try mutants and print what becomes of each, with its number among those drawn; returns the number of survivors."""
     counts = dict.fromkeys(("mirror", "others", "equivalent", "SURVIVED"), 0)
     drawn = enumerate(kind.draw(count, seed, skip), skip)
-    with ThreadPoolExecutor(jobs) as pool:
+    with ThreadPoolExecutor(jobs) as pool, tempfile.TemporaryDirectory() as work:
         while batch := list(itertools.islice(drawn, count - sum(counts.values()))):
-            fates = pool.map(lambda one: verdict(kind, one[1]), batch)
+            fates = pool.map(lambda one: verdict(kind, one[1], Path(work)), batch)
             for (number, mutant), (fate, by) in zip(batch, fates, strict=True):
                 if fate != "invalid":
                     counts[fate] += 1
