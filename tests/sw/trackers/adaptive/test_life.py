@@ -343,23 +343,23 @@ def unseen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(life, "look", lambda *_: 0.0)
 
 
-# `coast` 1 and `pause` 0.03 half sides.
+# `coast` 1 and `pause` 0.25 half sides.
 @pytest.mark.parametrize(
     ("given", "others", "missed"),
     [
-        ({}, [], 1.03),
-        ({"track_id": -1}, [], 0.53),  # not visible yet
-        ({}, [{"hx": 30, "hy": 30, "vx": -50, "track_id": 8}], 4.03),  # covered
-        ({"x": 10, "vx": -5}, [], 0.28),  # on its way over the edge
-        ({"x": 10, "vx": 5}, [], 1.03),
+        ({}, [], 1.25),
+        ({"track_id": -1}, [], 0.75),  # not visible yet
+        ({}, [{"hx": 30, "hy": 30, "vx": -50, "track_id": 8}], 4.25),  # covered
+        ({"x": 10, "vx": -5}, [], 0.5),  # on its way over the edge
+        ({"x": 10, "vx": 5}, [], 1.25),
     ],
 )
 @pytest.mark.usefixtures("unseen")
 def test_an_object_without_support_is_lost_when_patience_ends(
     given: dict[str, float], others: list[dict[str, float]], missed: float
 ) -> None:
-    for more, alive in ((-0.001, True), (0.001, False)):
-        world, out = closed(given | {"missed": missed + more}, *others, coast=1.0, pause=0.03)
+    for more, alive in ((0.0, True), (0.001, False)):
+        world, out = closed(given | {"missed": missed + more}, *others, coast=1.0, pause=0.25)
         assert world.objects["alive"][0] == alive
         assert (Kind.LOST in out.kind) == (not alive and "track_id" not in given)
 

@@ -165,6 +165,65 @@ def test_the_share_of_pixels_in_the_later_part_of_the_window(given: dict[str, fl
         assert share == pytest.approx(late)
 
 
+Pixels = list[tuple[int, int]]
+
+
+def block(left: int, right: int, top: int, bottom: int) -> Pixels:
+    return [(x, y) for x in range(left, right + 1) for y in range(top, bottom + 1)]
+
+
+def parts_of_group(pixels: Pixels, box: tuple[float, ...], noise: float = 0.0, near: tuple[int, int] | None = None) -> Any:
+    """Bounds (left, right, top, bottom) and pixels of the parts of a group, whose pixels sent an event 10 ms ago."""
+    rules, world = scene({})
+    world.run[0].noise = noise
+    for x, y in pixels:
+        world.seen[y, x] = T_US - 10_000
+    if near:
+        world.near[near[1], near[0], 0] = 0
+    n = look.look_at_group(rules, world, np.array(box), T_US, 0.01)
+    return [(*world.parts[k, 0], *world.parts[k, 1], world.parts[k, 2, 0]) for k in range(n)]
+
+
+@pytest.mark.parametrize(
+    ("pixels", "box", "parts"),
+    [
+        (block(30, 38, 20, 28), (30, 38, 20, 28), [(30, 38, 20, 28, 81)]),
+        (block(30, 32, 20, 22) + block(35, 38, 20, 22), (30, 38, 20, 22), [(30, 38, 20, 22, 21)]),  # up to 3 px apart
+        (block(30, 32, 20, 22) + block(36, 38, 20, 22), (30, 38, 20, 22), [(30, 32, 20, 22, 9), (36, 38, 20, 22, 9)]),
+        (block(30, 32, 20, 22) + block(30, 32, 26, 28), (30, 32, 20, 28), [(30, 32, 20, 22, 9), (30, 32, 26, 28, 9)]),
+        (block(30, 38, 20, 28), (32, 36, 22, 25), [(32, 36, 22, 25, 20)]),
+        (block(0, 3, 0, 2), (-5, 3, -5, 2), [(0, 3, 0, 2, 12)]),
+        (block(197, 199, 116, 119), (197, 206, 116, 127), [(197, 199, 116, 119, 12)]),
+        ([(30, 20)], (30, 38, 20, 28), []),
+        (block(33, 35, 20, 22), (30, 76, 20, 22), [(33, 35, 20, 22, 9)]),
+        (block(33, 35, 20, 22), (30, 77, 20, 22), [(32, 35, 20, 23, 9)]),  # from 48 px on in bins of 2 px
+        (block(33, 35, 23, 25), (30, 32, 20, 67), []),
+        (block(30, 32, 23, 25), (30, 32, 20, 67), [(30, 33, 22, 25, 9)]),
+        (block(33, 35, 20, 22) + block(39, 41, 20, 22), (30, 125, 20, 22), [(33, 41, 20, 22, 18)]),  # of 3 px
+    ],
+)
+def test_a_group_of_cells_falls_into_parts(pixels: Pixels, box: tuple[float, ...], parts: list[tuple[float, ...]]) -> None:
+    assert parts_of_group(pixels, box) == parts
+
+
+def test_old_pixels_and_those_near_objects_are_of_no_part() -> None:
+    pixels = block(32, 39, 24, 31) + block(48, 50, 24, 26)
+    assert len(parts_of_group(pixels, (32, 50, 24, 31))) == 2
+    assert parts_of_group(pixels, (32, 50, 24, 31), near=(4, 3)) == [(48, 50, 24, 26, 9)]
+    rules, world = scene({})
+    world.seen[24:27, 48:51] = T_US - 10_001
+    assert look.look_at_group(rules, world, np.array([48.0, 50, 24, 26]), T_US, 0.01) == 0
+
+
+def test_noise_is_of_no_part() -> None:
+    rate = -100 * np.log(0.9)  # a tenth of the pixels: 0.9 of nine, and three standard deviations are 3.75
+    assert len(parts_of_group(block(30, 32, 20, 20), (30, 40, 20, 22), rate)) == 0
+    assert len(parts_of_group(block(30, 31, 20, 21), (30, 40, 20, 22), rate)) == 1
+    wide = (30, 79, 20, 22)  # bins of four pixels: 3.6 of 36, and 5.7
+    assert len(parts_of_group(block(30, 32, 20, 22), wide, rate)) == 0
+    assert len(parts_of_group(block(30, 34, 20, 21), wide, rate)) == 1
+
+
 def filled(bins_: dict[tuple[int, int], float], *, given: dict[str, float], **config: float) -> tuple[Rules, World]:
     """A world with pixels in bins (column, row)."""
     rules, world = scene(given, **config)
