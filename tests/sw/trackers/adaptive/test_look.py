@@ -309,6 +309,7 @@ def test_parts_are_two_objects_if_they_cannot_be_one(
 def test_groups_that_are_joined_span_their_parts() -> None:
     # The third is close to both together: a gap of 1.5 of 2.5 0.9 (2.2 10 - 22.6) would not do for its neighbour alone.
     assert divided((0, 10, 100), (10.5, 12, 20), (13, 14, 5), close=1.2) == (False, [100, 20, 5])
+    assert divided((0, 10, 100), (-2, -0.5, 20), (-4, -3, 5), close=1.2) == (False, [100, 20, 5])
 
 
 def chosen(*parts: tuple[float, float, float, float], **given: float) -> tuple[float, list[float]]:
@@ -415,6 +416,34 @@ def test_sides_reach_the_first_and_the_last_bin() -> None:
     np.testing.assert_allclose(bounds, [[27.4 - 14, 27.6 - 14], [29.4 - 12, 29.6 - 12]])
 
 
+def slow_contrast(rules: Rules, world: World, rows: int, columns: int, bin_px: int, reach: NDArray[np.float64]) -> float:
+    s, bounds, edge = world.state[0], world.bounds, 0.5 * world.objects["gate"][0]
+    inner, outer = [], []
+    for y, x in np.ndindex(rows, columns):
+        dx, dy = (x + 0.5) * bin_px - reach[0], (y + 0.5) * bin_px - reach[1]
+        if not (0 <= s[0, 0] + dx <= rules.width - 1 and 0 <= s[1, 0] + dy <= rules.height - 1):
+            continue
+        if bounds[0, 0] <= dx <= bounds[0, 1] and bounds[1, 0] <= dy <= bounds[1, 1]:
+            inner.append(world.bins[y, x])
+        elif not (bounds[0, 0] - edge <= dx <= bounds[0, 1] + edge and bounds[1, 0] - edge <= dy <= bounds[1, 1] + edge):
+            outer.append(world.bins[y, x])
+    return float((sum(inner) / max(len(inner), 1) + 1e-9) / (sum(outer) / max(len(outer), 1) + 1e-9))
+
+
+def test_contrast_is_that_of_a_count_bin_by_bin() -> None:
+    rng, at_an_edge = np.random.default_rng(62), 0
+    for _ in range(300):
+        (rows, columns), bin_px = rng.integers(1, 13, 2), int(rng.integers(1, 4))
+        there = {(int(x), int(y)): float(rng.integers(1, 5)) for y, x in np.argwhere(rng.random((rows, columns)) < 0.2)}
+        rules, world = filled(there, given={"x": rng.uniform(0, 200), "y": rng.uniform(0, 120), "gate": rng.uniform(0, 10)})
+        reach: Any = 0.5 * bin_px * np.array([columns, rows])
+        world.bounds[:] = np.sort(rng.uniform(-reach[:, None], reach[:, None], (2, 2)), axis=1)
+        at_an_edge += bool(np.any(world.state[0, :, 0] < reach) or np.any(world.state[0, :, 0] > [200, 120] - reach))
+        look._measure_contrast(rules, world, 0, rows, columns, bin_px, reach)
+        assert world.objects["contrast"][0] == slow_contrast(rules, world, rows, columns, bin_px, reach)
+    assert at_an_edge > 20
+
+
 # Sides at 90 and 110, 50 and 70. Another with half sides of 4 and 6 px and a gate of 2 px: 6 and 8 px around its middle.
 @pytest.mark.parametrize(
     ("other", "hidden"),
@@ -493,6 +522,15 @@ def test_an_object_is_seen_if_enough_of_its_pixels_sent_events(given: dict[str, 
     mass, world = measure(**given)
     assert (mass > 0) == seen
     assert (world.state[0, 0, 0], world.objects["usual"][0] == 4.0) == (pytest.approx(100, abs=0.5), not seen)
+
+
+def test_an_object_is_seen_if_it_shows_15_percent_of_what_it_usually_sends() -> None:
+    """4 px in 0.2 s at 20 px/s: 80 pixels of 533 are 15 %."""
+    for usual, seen in ((132.0, True), (135.0, False)):
+        rules, world = scene({"vx": 20, "usual": usual, "travel": 1.0}, fill=1000.0, full=0.0)
+        world.cov[0] = np.diag([4.0, 0.01, 4.0, 0.01])
+        outline(world, 100, 60, 10, 0)
+        assert (look.look(rules, world, 0, 0, T_US) > 0) == seen
 
 
 def test_two_outlines_in_five_measurements_are_two_objects() -> None:
