@@ -98,6 +98,9 @@ class Layout:
         return f"must be a {'whole ' if self.exact else ''}number of {UNITS[self.power]}, below 2^63 us"
 
 
+_UNNAMED = Naming((0, 1, 2, 3), None)  # of a file without events
+
+
 def is_text(content: bytes) -> bool:
     """Whether the start of a file is text: UTF-8 without control characters other than tabs and line ends."""
     try:
@@ -162,7 +165,7 @@ def read_layout(file: BinaryIO) -> Layout:
                 return replace(layout, unnamed_order=order_text(order))
             sensor = _side(cells[0], lines), _side(cells[1], lines)
         offset, lines = offset + len(raw), lines + 1
-    return _layout(offset, lines, " ", [], naming, sensor)
+    return _layout(offset, lines, " ", [], naming or _UNNAMED, sensor)
 
 
 def _order(file: BinaryIO, event: Sequence[str], separator: str) -> tuple[int, int, int, int]:
@@ -204,14 +207,12 @@ def _side(digits: str, lines: int) -> int:
     return side
 
 
-def _layout(
-    offset: int, lines: int, separator: str, event: Sequence[str], naming: Naming | None, sensor: Sensor | None
-) -> Layout:
-    places = (0, 1, 2, 3) if naming is None else naming.columns
+def _layout(offset: int, lines: int, separator: str, event: Sequence[str], naming: Naming, sensor: Sensor | None) -> Layout:
+    places = naming.columns
     columns = np.full(max(*places, len(event) - 1) + 1, UNUSED, np.int8)
     columns[list(places)] = T, X, Y, P
     decimal_comma = separator == ";" and any("," in cell for cell in event)
-    if naming is not None and naming.power is not None:
+    if naming.power is not None:
         return Layout(offset, lines, separator, columns, naming.power, False, sensor, decimal_comma=decimal_comma)
     in_seconds = places[0] < len(event) and any(mark in event[places[0]] for mark in ".,eE")
     power = 6 if in_seconds else 0

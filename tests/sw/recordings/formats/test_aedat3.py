@@ -173,7 +173,8 @@ def packet_head(*fields: int) -> bytes:
         (header() + packet([bytes(16)]),
          f"packet at byte {START}: polarity events of 16 bytes with their time at byte 4: must be of 8 with it at 4"),
         (header() + polarity([(1, 1, 1, 1), (-2, 1, 1, 1)]), f"event at byte {START + 36}: t = -2: must not be negative"),
-        (header() + polarity([(1, 1, 1, 1)] * 9 + [(-2, 1, 1, 1)]), f"event at byte {START + 100}: t = -2: must not be negative"),
+        (header() + polarity([(1, 1, 1, 1)] * 9 + [(-2, 1, 1, 1)]),
+         f"event at byte {START + 100}: t = -2: must not be negative"),
         (header() + polarity([(1, 1, 128, 1)]), "event 0: y = 128: must be below the sensor's 128"),
     ],
 )  # fmt: skip
