@@ -140,6 +140,8 @@ def test_an_address_beyond_the_format_s_15_bits_is_refused(tmp_path: Path) -> No
     with refused(RecordingError, f"{path}: event 7: x = 32768: must be at most 32767 in AEDAT4"):
         write_events(path, (40_000, 48), [wide[:4], wide[4:]])
     assert not path.exists()
+    widest = Events(events.t_us, np.full(10, 32_767, np.uint16), np.full(10, 32_767, np.uint16), events.p)
+    assert write_events(path, (32_768, 32_768), [widest]) == 10
 
 
 def test_a_window_reads_one_packet_before_it_to_check_the_table_and_none_before_that(

@@ -23,7 +23,7 @@ from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import ros
-from evcot.recordings.formats.ros_messages import read_stamped
+from evcot.recordings.formats.ros_messages import _Fields, read_stamped
 from support.refusals import refused
 
 from .fuzzing import cut_lengths, fuzz, sample_of
@@ -461,3 +461,16 @@ def test_damage_is_told_or_does_not_matter(tmp_path: Path, kind: str, damage: An
     for length in cut_lengths(content[:-20], 100):
         cut.write_bytes(content[:length])
         refusal(cut)
+
+
+@pytest.mark.parametrize(("is_cdr", "most"), [(False, 0), (True, 3)])
+def test_a_message_ends_with_its_last_field_and_the_padding_of_cdr(is_cdr: bool, most: int) -> None:
+    for left in range(5):
+        fields = _Fields(memoryview(b"\0\1\0\0" + bytes(4 + left))[0 if is_cdr else 4 :], is_cdr)
+        fields.number(4)
+        if left <= most:
+            fields.end()
+        else:
+            size = 4 + left + (4 if is_cdr else 0)
+            with refused(RecordingError, f"of {size} bytes ends {left} bytes early: is it another version of this message?"):
+                fields.end()
