@@ -394,6 +394,9 @@ def test_a_group_has_pixels_above_the_noise_and_for_its_contour() -> None:
     diagonal = [(60 + k, 40 + k) for k in range(40)]
     assert find(1, pixels=diagonal).run[0].live == 1  # 40 pixels, 40 wide and high
     assert find(1, pixels=[at for at in diagonal if at[0] % 4]).run[0].live == 0
+    assert find(1, pixels=diagonal[:20] + diagonal[21:]).run[0].live == 0
+    turned = [(x, 40 + 99 - y) for x, y in diagonal]
+    assert find(1, pixels=turned[:20] + turned[21:]).run[0].live == 0
 
 
 def test_pixels_close_to_an_object_stay_in_longer_windows() -> None:

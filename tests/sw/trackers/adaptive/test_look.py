@@ -270,9 +270,9 @@ def test_the_gap_between_two_boxes() -> None:
 Part = tuple[float, float, float]  # from, to along one axis; pixels; from 0 to 10 along the other
 
 
-def divided(*parts: Part, close: float = 0.0, axis: int = 0) -> tuple[bool, list[float]]:
+def divided(*parts: Part, close: float = 0.0, axis: int = 0, gap: float = 0.9) -> tuple[bool, list[float]]:
     """Whether parts are two objects, and the pixels of each afterwards."""
-    rules, world = scene({}, gap=0.9, elongation=2.2)
+    rules, world = scene({}, gap=gap, elongation=2.2)
     for k, (begin, end, pixels) in enumerate(parts):
         world.parts[k, axis], world.parts[k, 1 - axis], world.parts[k, 2, 0] = (begin, end), (0, 10), pixels
     return look._divide(rules, world, len(parts), close), world.parts[: len(parts), 2, 0].tolist()
@@ -307,9 +307,11 @@ def test_parts_are_two_objects_if_they_cannot_be_one(
 
 
 def test_groups_that_are_joined_span_their_parts() -> None:
-    # The third is close to both together: a gap of 1.5 of 2.5 0.9 (2.2 10 - 22.6) would not do for its neighbour alone.
-    assert divided((0, 10, 100), (10.5, 12, 20), (13, 14, 5), close=1.2) == (False, [100, 20, 5])
-    assert divided((0, 10, 100), (-2, -0.5, 20), (-4, -3, 5), close=1.2) == (False, [100, 20, 5])
+    # The third is close to the first two together.
+    for axis in (0, 1):
+        assert divided((0, 10, 100), (10.5, 12, 20), (13, 14, 30), close=1.2, axis=axis, gap=0.0) == (False, [100, 20, 30])
+        assert divided((0, 10, 100), (-2, -0.5, 20), (-4, -3, 30), close=1.2, axis=axis, gap=0.0) == (False, [100, 20, 30])
+        assert divided((0, 10, 100), (10.5, 12, 20), (13.3, 14, 30), close=1.2, axis=axis, gap=0.0)[0]
 
 
 def chosen(*parts: tuple[float, float, float, float], **given: float) -> tuple[float, list[float]]:
