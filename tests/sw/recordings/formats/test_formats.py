@@ -1,21 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Common behaviour of all formats: refusal by rule, detection of the sensor; and real recordings are read unchanged.
-
-What is read ahead comes in order: results in that of their pieces, exceptions too.
-"""
+"""Common behaviour of all formats: refusal by rule, detection of the sensor; and real recordings are read unchanged."""
 
 from __future__ import annotations
 
-import threading
-import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from evcot.recordings.files import read_recording
-from evcot.recordings.formats.blocks import in_order
 
 from .reading import refusal
 
@@ -99,70 +92,3 @@ def test_events_before_a_raw_file_s_first_time_mark_are_counted_in_a_warning(tmp
     with pytest.warns(UserWarning, match="2 events left out: they precede any time mark or address"):
         recording = read_recording(path)
     assert recording.events.x.tolist() == [3]
-
-
-def test_results_stand_in_the_order_of_their_pieces() -> None:
-    def slow_at_first(piece: int) -> int:
-        time.sleep(0.01 if piece % 3 == 0 else 0.0)
-        return 10 * piece
-
-    assert list(in_order(slow_at_first, range(40), workers=2)) == [10 * piece for piece in range(40)]
-    assert list(in_order(slow_at_first, [], workers=2)) == []
-
-
-@pytest.mark.parametrize("error", [ValueError("piece 7"), OSError(5, "Input/output error")])
-@pytest.mark.parametrize("failing", ["pieces", "decode"])
-def test_what_goes_wrong_comes_after_all_before_it_and_nothing_comes_after(error: Exception, failing: str) -> None:
-    def pieces() -> Iterator[int]:
-        for piece in range(20):
-            if failing == "pieces" and piece == 7:
-                raise error
-            yield piece
-
-    def decode(piece: int) -> int:
-        if failing == "decode" and piece == 7:
-            raise error
-        return piece
-
-    given: list[int] = []
-    with pytest.raises(type(error)) as caught:
-        given.extend(in_order(decode, pieces()))
-    assert caught.value is error
-    assert given == list(range(7))
-
-
-def test_pieces_are_made_a_few_ahead_and_no_more_and_the_first_without_a_thread() -> None:
-    made: list[int] = []
-
-    def pieces() -> Iterator[int]:
-        for piece in range(1_000):
-            made.append(piece)
-            yield piece
-
-    threads = threading.active_count()
-    results = in_order(lambda piece: piece, pieces())
-    assert next(results) == 0
-    assert threading.active_count() == threads
-    assert made == [0]
-    assert [next(results) for _ in range(2)] == [1, 2]
-    assert len(made) <= 10
-    results.close()  # type: ignore[attr-defined]
-    assert len(made) <= 10
-
-
-def test_pieces_are_made_on_the_callers_thread_and_all_but_the_first_are_decoded_on_others() -> None:
-    makers: set[int] = set()
-    decoders: list[int] = []
-
-    def pieces() -> Iterator[int]:
-        for piece in range(20):
-            makers.add(threading.get_ident())
-            yield piece
-
-    for _ in in_order(lambda _: decoders.append(threading.get_ident()), pieces(), workers=1):
-        pass
-    assert makers == {threading.get_ident()}
-    assert decoders[0] == threading.get_ident()
-    assert len(decoders) == 20
-    assert len(set(decoders[1:])) == 1
-    assert not set(decoders[1:]) & makers
