@@ -284,8 +284,12 @@ def python_kind() -> Kind:
         stem = inside.stem.strip("_")
         names = stem, stem.partition("_")[0], inside.parent.name  # hdf5_chunks.py is tested with hdf5.py
         named = [place / f"test_{name}.py" for place in (folder, top) for name in names]
-        mirror = next(([path] for path in named if path.is_file()), sorted(folder.rglob("test_*.py")))
-        others = [path for path in sorted(top.rglob("test_*.py")) if path not in mirror]
+        importing = re.compile(rf"^from evcot\.{'.'.join(inside.with_suffix('').parts)} import", re.MULTILINE)
+        tests = sorted(top.rglob("test_*.py"))
+        mirror = next(([path] for path in named if path.is_file()), [])
+        mirror = mirror or [path for path in tests if importing.search(path.read_text(encoding="utf-8"))]
+        mirror = mirror or sorted(folder.rglob("test_*.py"))
+        others = [path for path in tests if path not in mirror]
         return [mirror, others]
 
     def environment(folder: Path) -> dict[str, str]:

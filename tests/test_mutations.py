@@ -15,7 +15,7 @@ import pytest
 
 from evcot_cosim.rtl.files import rtl_files
 from mutations import Mutation, mutations, path_of
-from random_mutants import ROOT, Equivalent, equivalents, python_mutants, reason_of, rtl_mutants
+from random_mutants import ROOT, Equivalent, Mutant, equivalents, python_kind, python_mutants, reason_of, rtl_mutants
 from support.testing import broken_text
 
 RTL = {name: path.read_text() for name, path in rtl_files().items()}
@@ -124,3 +124,19 @@ def test_a_row_of_an_equivalent_mutant_names_one_place() -> None:
     gone = Equivalent("counter.v", "count + 4'd14", "count - 4'd14", "")
     with pytest.raises(ValueError, match=r"counter\.v holds .* 0 times: must be once"):
         gone.mutated(MODULE)
+
+
+@pytest.mark.parametrize(
+    ("module", "mirror"),
+    [
+        ("filters/cells.py", "test_cells.py"),
+        ("recordings/formats/hdf5_survey.py", "test_hdf5.py"),  # a part of hdf5.py
+        ("recordings/formats/_text_kernel.py", "test_text.py"),
+        ("trackers/frame_based.py", "test_detections.py"),  # which imports it
+    ],
+)
+def test_the_tests_of_a_python_module_run_first(module: str, mirror: str) -> None:
+    first, others = python_kind().stages(Mutant(f"evcot/{module}", 0, 0, ""))
+    assert [path.name for path in first] == [mirror]
+    assert others
+    assert not set(first) & set(others)
