@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steps of the adaptive tracker as Python functions: tests call each by itself, without waiting for a compiler."""
+"""Steps of trackers as Python functions: tests call each by itself, without waiting for a compiler."""
 
 from __future__ import annotations
 
@@ -17,10 +17,12 @@ __all__ = ["HEIGHT", "WIDTH", "interpret", "scene"]
 WIDTH, HEIGHT = 200, 120
 
 
-def interpret(patch: pytest.MonkeyPatch) -> None:
-    """Replace the compiled functions of the tracker's steps by what they were compiled from."""
-    modules: list[ModuleType] = [births, bins, boxes, life, look, restless]
-    for module in modules:
+_ADAPTIVE: tuple[ModuleType, ...] = (births, bins, boxes, life, look, restless)
+
+
+def interpret(patch: pytest.MonkeyPatch, *modules: ModuleType) -> None:
+    """Replace the compiled functions in modules, of the adaptive tracker unless others are given, by what was compiled."""
+    for module in modules or _ADAPTIVE:
         for name, value in vars(module).copy().items():
             if hasattr(value, "py_func"):
                 patch.setattr(module, name, value.py_func)
