@@ -39,6 +39,7 @@ def state_of(*clusters: dict[str, float], config: RctConfig = CONFIG) -> Any:
 def told(state: Any) -> list[tuple[Kind, int, int, int]]:
     """Kind, track, time and event of the records."""
     rows = state.out[: state.cursor[0].records]
+    assert (rows.other_id == -1).all()
     return [(Kind(row.kind), int(row.track_id), int(row.t_us), int(row.event_index)) for row in rows]
 
 
@@ -146,7 +147,11 @@ def test_of_two_that_coast_the_nearest_is_continued() -> None:
     lost = [{"track_id": k, "last_us": 5_000, "x": x} for k, x in enumerate((85.0, 95.0, 110.0))]
     state = state_of(*lost, BIG | {"x": 100.0}, config=COAST)
     assert life.show_if_due(state, 3, 76, 6_000) == 1
-    life.check(state_of(*lost, BIG | {"x": 100.0}, config=COAST), 3, 76, 6_000)
+    life.check(state, 3, 76, 6_000)
+    assert state.cursor[0].live == 4
+    state = state_of(*lost, BIG | {"x": 100.0}, config=COAST)
+    life.check(state, 3, 76, 6_000)
+    assert state.live[: state.cursor[0].live].tolist() == [0, 2, 3], "whose cluster is dropped"
 
 
 @pytest.mark.parametrize(
@@ -202,7 +207,7 @@ def test_a_silent_cluster_ends_after_its_lifetime_and_a_track_coasts_before(trac
 
 
 def test_an_end_that_was_not_noted_is_at_the_last_event() -> None:
-    state = state_of({"track_id": 3}, {"track_id": 4})
+    state = state_of({"last_us": 6_000}, {"track_id": 3}, {"last_us": 6_000}, {"track_id": 4})
     life.remove_silent(state, 6_000)
     assert told(state) == [(Kind.LOST, 3, 6_000, 77), (Kind.LOST, 4, 6_000, 77)]
 
