@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def interpret(patch: pytest.MonkeyPatch, *modules: ModuleType) -> None:
         patch.setattr(module, "lowest", lambda word: (int(word) & -int(word)).bit_length() - 1, raising=False)
 
 
-def scene(*objects: dict[str, float], **config: float) -> tuple[Rules, World]:
+def scene(*objects: dict[str, Any], **config: float) -> tuple[Rules, World]:
     """Rules, and a world of visible objects at (100, 60) with half sides of 10 px, or as given.
 
     The state is given as `x`, `vx`, `hx`, `gx` (centre, velocity, half side, growth) and likewise for y, everything else by

@@ -87,7 +87,7 @@ def test_a_group_may_lie_in_the_corner_of_the_sensor(row: int, column: int) -> N
         ({"missed": 0.9, "away": INSIDE}, False),
     ],
 )
-def test_what_is_close_to_an_object_seen_lately_is_its_own(given: dict[str, float], seen: bool) -> None:
+def test_what_is_close_to_an_object_seen_lately_is_its_own(given: dict[str, Any], seen: bool) -> None:
     _, world = scene(given)
     assert births._is_seen(world.objects[0]) == seen
     assert births._touches(world, box(95, 99, 50, 70), 0.1) == seen
@@ -107,7 +107,7 @@ def test_what_is_close_to_an_object_seen_lately_is_its_own(given: dict[str, floa
     ],
 )
 def test_an_object_reaches_as_far_as_its_gate_and_back_where_it_was(
-    given: dict[str, float], reach: tuple[float, float, float, float]
+    given: dict[str, Any], reach: tuple[float, float, float, float]
 ) -> None:
     _, world = scene(given, {"x": 20, "y": 20})
     left, right, top, bottom = reach
@@ -244,7 +244,7 @@ def test_at_the_beginning_the_drift_of_pixels_is_the_speed(t_us: int, drift: flo
     ],
 )
 def test_a_lost_object_is_found_again_close_by_if_it_is_as_large(
-    given: dict[str, float], centre: tuple[float, float], size: float, found: bool
+    given: dict[str, Any], centre: tuple[float, float], size: float, found: bool
 ) -> None:
     rules, world = scene({"missed": 0.0}, given)
     (x, y), half = centre, 0.5 * (size - 1)

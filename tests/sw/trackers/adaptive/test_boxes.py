@@ -126,7 +126,7 @@ def one(first: dict[str, Any], second: dict[str, Any], unsure: float = 0.0) -> b
     [(10, {}, True), (10.1, {}, False), (10, {"travel": 1.0}, False), (10, {"edge": 1}, False), (10, {"edge": -1}, False)],
 )
 def test_what_enters_side_by_side_over_one_edge_is_one_up_to_a_gap_of_the_longest_half_side(
-    gap_px: float, given: dict[str, float], expected: bool, at: str
+    gap_px: float, given: dict[str, Any], expected: bool, at: str
 ) -> None:
     other = ENTERING | {"vx": -50, "vy": -50, "hx": 5, "hy": 5}
     other |= {at: {"x": 100, "y": 60}[at] + 15 + gap_px} | given
@@ -193,7 +193,7 @@ def test_a_small_object_close_to_another_may_be_a_part_wherever_it_lies(half: fl
         ({"hx": 4.0, "x": 117}, False),
     ],
 )
-def test_visible_bodies_beyond_their_gates_are_no_parts(given: dict[str, float], expected: bool) -> None:
+def test_visible_bodies_beyond_their_gates_are_no_parts(given: dict[str, Any], expected: bool) -> None:
     body = {"vx": 40, "hx": 8, "gate": 4.0}
     assert one(body, body | {"x": 121} | given) == expected
 

@@ -73,7 +73,7 @@ def test_speed_beyond_what_is_uncertain() -> None:
     ],
 )
 def test_objects_meet_where_their_gates_touch(
-    one: dict[str, float], other: dict[str, float], apart: float, meets: bool, axis: str
+    one: dict[str, Any], other: dict[str, Any], apart: float, meets: bool, axis: str
 ) -> None:
     start = {"x": 100, "y": 60}[axis]
     for sign in (1, -1):
@@ -101,7 +101,7 @@ def test_all_that_meet_are_listed() -> None:
     ],
 )
 def test_an_object_is_covered_by_the_box_of_another_that_holds_its_centre(
-    given: dict[str, float], apart: float, covered: bool, axis: str
+    given: dict[str, Any], apart: float, covered: bool, axis: str
 ) -> None:
     start = {"x": 100, "y": 60}[axis]
     for sign in (1, -1):
@@ -115,7 +115,7 @@ def test_an_object_is_covered_by_the_box_of_another_that_holds_its_centre(
     [({}, 50, False), ({}, 50.1, True), ({"track_id": -1}, 20, True), ({"track_id": 0}, 20, False), ({"away": 0}, 20, True)],
 )
 def test_an_object_is_alone_if_no_visible_box_is_within_three_half_sides(
-    given: dict[str, float], apart: float, alone: bool, axis: str
+    given: dict[str, Any], apart: float, alone: bool, axis: str
 ) -> None:
     start = {"x": 100, "y": 60}[axis]
     for sign in (1, -1):
@@ -134,15 +134,13 @@ def test_an_object_is_alone_if_no_visible_box_is_within_three_half_sides(
         ({"track_id": -1, "born_us": 5}, {"track_id": -1, "born_us": 9}, True),
     ],
 )
-def test_of_two_that_are_one_the_heavier_or_older_survives(
-    one: dict[str, float], other: dict[str, float], survives: bool
-) -> None:
+def test_of_two_that_are_one_the_heavier_or_older_survives(one: dict[str, Any], other: dict[str, Any], survives: bool) -> None:
     _, world = scene(one, other)
     assert life._survives(world.objects[0], world.objects[1]) == survives
     assert life._survives(world.objects[1], world.objects[0]) != survives
 
 
-def merged(*objects: dict[str, float]) -> tuple[World, Any]:
+def merged(*objects: dict[str, Any]) -> tuple[World, Any]:
     rules, world = scene(*({"vx": 5, "within": 3.0, "support": 10 + i} | given for i, given in enumerate(objects)))
     out = buffer()
     life._merge(rules, world, out, 99)
@@ -151,7 +149,7 @@ def merged(*objects: dict[str, float]) -> tuple[World, Any]:
 
 def test_two_that_are_one_get_a_box_around_both() -> None:
     world, out = merged(OTHER_X, {"x": 106, "y": 58, "track_id": 7}, {"track_id": 3, "hy": 11, "first_x": 50, "first_y": 40})
-    np.testing.assert_allclose(world.state[2, :, ::2], [[103, 13], [59.5, 11.5]])  # 90 to 116, 48 to 71
+    np.testing.assert_allclose(world.state[2, :, ::2], [[103.0, 13.0], [59.5, 11.5]])  # 90 to 116, 48 to 71
     o: Any = world.objects[2]
     assert (o.first_x, o.first_y, o.support) == (53, 39.5, 23)
     assert world.objects["alive"].tolist() == [True, False, True]
@@ -167,7 +165,7 @@ def test_what_merges_into_an_object_that_is_not_visible_is_lost() -> None:
 
 
 @pytest.mark.parametrize("given", [{"away": 0}, {"alive": False}, {"away": INSIDE}])
-def test_only_objects_on_the_sensor_merge(given: dict[str, float]) -> None:
+def test_only_objects_on_the_sensor_merge(given: dict[str, Any]) -> None:
     assert len(merged({}, {"x": 102})[1]) == 1
     assert len(merged(given, {"x": 102})[1]) == len(merged({}, {"x": 102} | given)[1]) == 0
 
@@ -200,7 +198,7 @@ def test_three_that_are_one_become_one() -> None:
         ({"y": 108.9, "vy": 1}, False, -1),
     ],
 )
-def test_an_object_leaves_over_the_edge_towards_which_it_moves(given: dict[str, float], outside: bool, edge: int) -> None:
+def test_an_object_leaves_over_the_edge_towards_which_it_moves(given: dict[str, Any], outside: bool, edge: int) -> None:
     rules, world = scene(OTHER_X, given)
     assert (life._outside(rules, world, 1), life._leaves(rules, world, 1)) == (outside, edge)
 
@@ -239,7 +237,7 @@ def test_what_goes_away_waits_at_rest_on_the_sensor(edge: int, missed: float) ->
         ({"first_x": 99.1, "hx": 2, "hy": 2}, 0, False),
     ],
 )
-def test_an_object_becomes_visible_when_it_has_moved(given: dict[str, float], variance: float, visible: bool) -> None:
+def test_an_object_becomes_visible_when_it_has_moved(given: dict[str, Any], variance: float, visible: bool) -> None:
     fast = {"hx": 8, "hy": 8, "vx": 30, "vy": 40, "packets": 4, "first_x": 100, "first_y": 60} if "vx" not in given else {}
     slow = {"hx": 8, "hy": 8, "packets": 4, "first_y": 60}
     rules, world = scene(slow | fast | given, visible_travel=0.25)
@@ -258,7 +256,7 @@ def test_what_wanders_about_starts_anew() -> None:
     assert [world.objects[name][0] for name in ("first_x", "first_y", "path")] == [90, 50, 8.5]
 
 
-def advanced(given: dict[str, float], lasted_s: float = 0.1, *others: dict[str, float]) -> tuple[World, Any]:
+def advanced(given: dict[str, Any], lasted_s: float = 0.1, *others: dict[str, Any]) -> tuple[World, Any]:
     """An object of 10 px at 20 px/s: 0.2 half sides in a packet. Its course is certain."""
     rules, world = scene({"vx": 20} | given, *others, agility=0.001, growth_agility=0.0001, gate=0.35)
     life._advance(rules, world, 0, lasted_s)
@@ -292,7 +290,7 @@ def test_uncertainty_grows_with_agility_and_less_beside_others() -> None:
         ({"vx": 0, "speed": 1.0}, 5),  # half a half side per second at least
     ],
 )
-def test_the_greatest_speed_of_the_recent_past(given: dict[str, float], speed: float) -> None:
+def test_the_greatest_speed_of_the_recent_past(given: dict[str, Any], speed: float) -> None:
     assert advanced(given)[1].speed == pytest.approx(speed, rel=0.01)
 
 
@@ -329,7 +327,7 @@ def test_an_object_is_there_if_it_is_seen_and_stands_out(
     assert world.state[0, :, 3].tolist() == ([0, 0] if missed else [0, 3])
 
 
-def closed(*objects: dict[str, float], lasted_us: int = 0, **config: float) -> tuple[World, Any]:
+def closed(*objects: dict[str, Any], lasted_us: int = 0, **config: float) -> tuple[World, Any]:
     """The end of a packet; nobody is seen. Objects are older than their settling and far from becoming visible."""
     rules, world = scene(*({"packets": 9, "first_x": 100, "first_y": 60} | given for given in objects), **config)
     world.run[0].birth_end_us = 10**9
@@ -356,7 +354,7 @@ def unseen(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 @pytest.mark.usefixtures("unseen")
 def test_an_object_without_support_is_lost_when_patience_ends(
-    given: dict[str, float], others: list[dict[str, float]], missed: float
+    given: dict[str, Any], others: list[dict[str, Any]], missed: float
 ) -> None:
     for more, alive in ((0.0, True), (0.001, False)):
         world, out = closed(given | {"missed": missed + more}, *others, coast=1.0, pause=0.25)
@@ -390,7 +388,7 @@ def test_an_object_that_stands_still_is_lost(still: float, alive: bool) -> None:
 )
 @pytest.mark.usefixtures("unseen")
 def test_what_has_travelled_a_half_side_may_return_over_its_edge_or_where_it_was_alone(
-    given: dict[str, float], others: list[dict[str, float]], away: int | None
+    given: dict[str, Any], others: list[dict[str, Any]], away: int | None
 ) -> None:
     world, out = closed(given, *others)
     assert world.objects["alive"][0] == (away is not None)
@@ -425,7 +423,7 @@ def test_time_without_support_and_between_measurements_adds_up() -> None:
 )
 @pytest.mark.usefixtures("unseen")
 def test_an_object_is_reported_while_it_was_seen_lately_or_is_covered(
-    given: dict[str, float], others: list[dict[str, float]], reported: bool
+    given: dict[str, Any], others: list[dict[str, Any]], reported: bool
 ) -> None:
     _, out = closed(given, *others)
     assert out.kind[out.slot == 0].tolist() == [Kind.MOVED] * reported
@@ -459,7 +457,7 @@ def test_births_are_looked_for_every_5_ms(monkeypatch: pytest.MonkeyPatch) -> No
         ([{"speed": 1_000.0}], 1_000),
     ],
 )
-def test_a_packet_is_a_small_part_of_the_travel_of_the_fastest(objects: list[dict[str, float]], packet_us: int) -> None:
+def test_a_packet_is_a_small_part_of_the_travel_of_the_fastest(objects: list[dict[str, Any]], packet_us: int) -> None:
     assert life._next_packet_us(*scene(*objects, step=0.03)) == packet_us
 
 

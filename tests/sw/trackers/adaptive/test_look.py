@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.trackers.adaptive import bins, look
+from evcot.trackers.adaptive import bins, boxes, look
 from evcot.trackers.adaptive.layout import Rules, World
 from support.interpreted import interpret, scene
 
@@ -32,7 +32,7 @@ def _interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
         ({"speed": 5, "hy": 14}, 7),
     ],
 )
-def test_the_pace_of_an_object(given: dict[str, float], pace: float) -> None:
+def test_the_pace_of_an_object(given: dict[str, Any], pace: float) -> None:
     assert look._pace(scene(given)[1], 0) == pytest.approx(pace)
 
 
@@ -49,7 +49,7 @@ def test_the_pace_of_an_object(given: dict[str, float], pace: float) -> None:
         ({"vx": 9_000, "usual": 50}, {}, 2e-3),
     ],
 )
-def test_how_far_back_a_measurement_reads(given: dict[str, float], run: dict[str, float], window_s: float) -> None:
+def test_how_far_back_a_measurement_reads(given: dict[str, Any], run: dict[str, Any], window_s: float) -> None:
     variances = given.get("unsure", 0)
     rules, world = scene({name: value for name, value in given.items() if name != "unsure"}, memory=0.4, fill=4.0, blur=0.15)
     world.cov[0, :, 1, 1] = variances, 3 * variances
@@ -92,7 +92,7 @@ def test_pixels_of_a_row_that_sent_an_event_lately() -> None:
     assert look._lately(world, 6, 20, 84, 500) == 0
 
 
-def collected(given: dict[str, float], x: int, y: int, ago_us: int, reach: float = 14.0, bin_px: int = 1) -> set[Any]:
+def collected(given: dict[str, Any], x: int, y: int, ago_us: int, reach: float = 14.0, bin_px: int = 1) -> set[Any]:
     """The bin of one pixel, (column, row), in a measurement over 0.2 s."""
     rules, world = scene(given)
     world.seen[y, x] = T_US - ago_us
@@ -135,7 +135,7 @@ def collected(given: dict[str, float], x: int, y: int, ago_us: int, reach: float
     ],
 )
 def test_a_pixel_counts_where_it_is_now(
-    given: dict[str, float], pixel: tuple[int, int, int], bin_: tuple[int, int] | None
+    given: dict[str, Any], pixel: tuple[int, int, int], bin_: tuple[int, int] | None
 ) -> None:
     assert collected(given, *pixel) == ({bin_} if bin_ else set())
 
@@ -154,7 +154,7 @@ def test_pixels_of_an_object_that_it_meets_do_not_count() -> None:
 
 
 @pytest.mark.parametrize(("given", "late_us"), [({"vx": 20, "hy": 5}, 100_000), ({"hx": 5, "hy": 10, "speed": 5}, 200_000)])
-def test_the_share_of_pixels_in_the_later_part_of_the_window(given: dict[str, float], late_us: int) -> None:
+def test_the_share_of_pixels_in_the_later_part_of_the_window(given: dict[str, Any], late_us: int) -> None:
     """Half of it, or the time of 0.1 half sides: at a pace of 5 px/s that is all."""
     for ago_us, late in ((late_us, 1.0), (late_us + 1, 0.5)):
         rules, world = scene(given | {"vx": 0.0, "speed": 60} if given["hy"] == 5 else given)
@@ -224,7 +224,7 @@ def test_noise_is_of_no_part() -> None:
     assert len(parts_of_group(block(30, 34, 20, 21), wide, rate)) == 1
 
 
-def filled(bins_: dict[tuple[int, int], float], *, given: dict[str, float], **config: float) -> tuple[Rules, World]:
+def filled(bins_: dict[tuple[int, int], float], *, given: dict[str, Any], **config: float) -> tuple[Rules, World]:
     """A world with pixels in bins (column, row)."""
     rules, world = scene(given, **config)
     for (x, y), pixels in bins_.items():
@@ -376,7 +376,7 @@ def test_a_side_that_jumps_four_standard_deviations_has_not_moved(sign: float, m
     for off_px in (0.99 * most_px, -0.99 * most_px):
         s, q, expected = np.array([100.0, 7, 10, 8]), p.copy(), (np.array([100.0, 7, 10, 8]), p.copy())
         look._observe_side(s, q, sign, off_px, 1.0)
-        look.correct(*expected, sign, off_px, 1.0)
+        boxes.correct(*expected, sign, off_px, 1.0)
         np.testing.assert_allclose(s, expected[0])
         np.testing.assert_allclose(q, expected[1])
     s = np.array([100.0, 7, 10, 8])
@@ -461,7 +461,7 @@ def test_contrast_is_that_of_a_count_bin_by_bin() -> None:
         ({"x": 94, "y": 78.1}, None),
     ],
 )
-def test_a_side_is_hidden_if_its_middle_lies_in_another_object(other: dict[str, float], hidden: tuple[int, int] | None) -> None:
+def test_a_side_is_hidden_if_its_middle_lies_in_another_object(other: dict[str, Any], hidden: tuple[int, int] | None) -> None:
     _, world = scene({"x": 20, "y": 20}, {}, {"hx": 4, "hy": 6} | other)
     world.meeting[:2] = 0, 2
     sides = [(0, 0), (0, 1), (1, 0), (1, 1)]
@@ -520,7 +520,7 @@ def test_the_usual_number_of_pixels_follows_what_is_seen() -> None:
         ({"half": 3}, False),  # 24 pixels of 0.6 for each of its sides and pixel
     ],
 )
-def test_an_object_is_seen_if_enough_of_its_pixels_sent_events(given: dict[str, int], seen: bool) -> None:
+def test_an_object_is_seen_if_enough_of_its_pixels_sent_events(given: dict[str, Any], seen: bool) -> None:
     mass, world = measure(**given)
     assert (mass > 0) == seen
     assert (world.state[0, 0, 0], world.objects["usual"][0] == 4.0) == (pytest.approx(100, abs=0.5), not seen)

@@ -23,9 +23,9 @@ def _interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     interpret(monkeypatch, life, records, find)
 
 
-def state_of(*clusters: dict[str, float], config: RctConfig = CONFIG) -> Any:
+def state_of(*clusters: dict[str, Any], config: RctConfig = CONFIG) -> Any:
     """Clusters that were seeded at (20, 30), (60, 30) and so on at 5,000 us, with other values afterwards."""
-    state = new_state(config, 320, 240)
+    state: Any = new_state(config, 320, 240)
     views = {name: getattr(state, name).view(np.recarray) for name in ("rules", "cursor", "clusters")}
     state = state._replace(**views, out=np.zeros(20, TRACK).view(np.recarray))
     for i, given in enumerate(clusters):
@@ -92,7 +92,7 @@ def test_missing_events_and_mass() -> None:
         ({"before": 25, "packet_events": 5, "deviation_x": 1.25, "deviation_y": 0.5}, False),
     ],
 )
-def test_a_cluster_becomes_a_track_with_enough_events_that_are_spread(given: dict[str, float], due: bool) -> None:
+def test_a_cluster_becomes_a_track_with_enough_events_that_are_spread(given: dict[str, Any], due: bool) -> None:
     state = state_of(given, config=replace(CONFIG, birth_spread_px=2.0))
     assert life.is_due(state.rules[0], state.clusters[0]) == due
     assert life.show_if_due(state, 0, 76, 6_000) == -1
@@ -128,7 +128,7 @@ BIG = {"before": 40}
         ({"track_id": 4, "last_us": 5_000, "y": 50.1}, False),
     ],
 )
-def test_a_new_track_continues_one_that_coasts_nearby(lost: dict[str, float], taken_over: bool) -> None:
+def test_a_new_track_continues_one_that_coasts_nearby(lost: dict[str, Any], taken_over: bool) -> None:
     others = {"track_id": 9, "last_us": 5_000, "x": 300.0}, {"track_id": 8, "last_us": 5_000, "x": 119.95, "y": 49.95}
     coasting = {"x": 100.0, "before": 7, "velocity_x": 3.0, "velocity_y": 4.0} | lost
     state = state_of(others[0], coasting, BIG | {"x": 100.0, "y": 30.0}, config=COAST)
@@ -183,9 +183,9 @@ def test_when_a_level_falls_below_a_fifth(level: float, begin_us: int, end_us: i
     ],
 )
 def test_a_track_whose_rate_falls_in_a_silence_ends_and_its_cluster_goes_on(
-    given: dict[str, float], options: dict[str, float], end_us: int | None
+    given: dict[str, Any], options: dict[str, Any], end_us: int | None
 ) -> None:
-    state = state_of(given, config=replace(RATE, packet_us=1_000, **options))  # type: ignore[arg-type]
+    state = state_of(given, config=replace(RATE, packet_us=1_000, **options))
     life.hide_weak(state, 0, 5_000, 9_000)
     assert told(state) == ([] if end_us is None else [(Kind.LOST, given["track_id"], end_us, 77)])
     assert state.clusters[0].track_id == (given["track_id"] if end_us is None else -1)

@@ -24,9 +24,9 @@ def _interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     interpret(monkeypatch, packet, life, records, find, motion)
 
 
-def state_of(*clusters: dict[str, float], config: RctConfig = CONFIG) -> Any:
+def state_of(*clusters: dict[str, Any], config: RctConfig = CONFIG) -> Any:
     """Clusters that were seeded at (100, 60) at 5,000 us, with other values afterwards; the packet ends at 6,000 us."""
-    plain = new_state(config, 320, 240)
+    plain: Any = new_state(config, 320, 240)
     views = {name: getattr(plain, name).view(np.recarray) for name in ("rules", "cursor", "clusters")}
     state = plain._replace(**views, out=np.zeros(20, TRACK).view(np.recarray))
     for given in clusters:
@@ -86,7 +86,7 @@ def test_without_mass_events_are_the_weights() -> None:
     ],
 )
 def test_the_track_seen_first_survives_or_the_one_with_more_mass(
-    first: dict[str, float], second: dict[str, float], options: RctConfig, survives: int
+    first: dict[str, Any], second: dict[str, Any], options: RctConfig, survives: int
 ) -> None:
     state = state_of(first, second, config=options)
     assert packet._second_survives(state.rules[0], *state.clusters[:2]) == (survives == 1)
@@ -136,7 +136,7 @@ OVERLAP = replace(RATE, merge_overlap=0.5)
         ({"half_width": 5.0, "half_height": 5.0}, True),
     ],
 )
-def test_windows_merge_from_a_share_of_the_smaller_on(second: dict[str, float], may: bool) -> None:
+def test_windows_merge_from_a_share_of_the_smaller_on(second: dict[str, Any], may: bool) -> None:
     state = state_of({}, second, config=OVERLAP)
     rules, (a, b) = state.rules[0], state.clusters[:2]
     assert packet._may_merge(rules, a, b, 5_500) == packet._may_merge(rules, b, a, 5_500) == may
@@ -145,9 +145,9 @@ def test_windows_merge_from_a_share_of_the_smaller_on(second: dict[str, float], 
 @pytest.mark.parametrize(("now_us", "may"), [(5_999, True), (6_000, False)])
 def test_a_coasting_cluster_does_not_merge(now_us: int, may: bool) -> None:
     state = state_of({}, {"last_us": 5_900}, config=replace(OVERLAP, coast_us=5_000))
-    assert packet._may_merge(state.rules[0], *state.clusters[:2], now_us) == may
+    assert packet._may_merge(state.rules[0], state.clusters[0], state.clusters[1], now_us) == may
     plain = state_of({}, {"last_us": 5_900}, config=OVERLAP)
-    assert packet._may_merge(plain.rules[0], *plain.clusters[:2], now_us)
+    assert packet._may_merge(plain.rules[0], plain.clusters[0], plain.clusters[1], now_us)
 
 
 @pytest.mark.parametrize(("events", "merges"), [((0, 0), False), ((1, 0), True), ((0, 1), True)])

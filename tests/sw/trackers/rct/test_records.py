@@ -82,7 +82,7 @@ def test_a_new_cluster_has_a_window_of_its_row_and_no_extent() -> None:
     ],
 )
 def test_a_window_follows_perspective_and_the_visible_object(
-    options: dict[str, float], given: dict[str, float], half_width: float
+    options: dict[str, Any], given: dict[str, Any], half_width: float
 ) -> None:
     one = cluster(**given)
     records.follow_size(rules(**options), one)
