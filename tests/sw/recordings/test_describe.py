@@ -135,3 +135,48 @@ def test_times_at_the_ends_of_the_range_or_a_sensor_beyond_belief_do_no_harm(tmp
     with open_recording(path) as file:
         assert describe(file).duration_us == 2**64 - 2
     assert described(tmp_path, make_events(10), (65536, 65536)).pixels is None
+
+
+@pytest.mark.parametrize(
+    ("each", "step_us", "burst_us"), [(8, 1_000, 1_000), (7, 1_000, None), (8, 999, None), (100, 2_500, 2_500), (8, 0, None)]
+)
+def test_bursts_have_eight_events_or_more_and_are_a_millisecond_apart(
+    tmp_path: Path, each: int, step_us: int, burst_us: int | None
+) -> None:
+    t_us = np.repeat(np.arange(5) * step_us, each)
+    none = np.zeros(len(t_us), np.uint16)
+    found = described(tmp_path, Events(t_us, none, none, none.astype(np.uint8)))
+    assert (found.burst_us, found.duration_us) == (burst_us, 4 * step_us)
+
+
+@pytest.mark.parametrize(("last_us", "peak_rate"), [(9_999, None), (10_000, 300.0), (19_999, 300.0), (25_000, 300.0)])
+def test_the_busiest_window_of_10_ms_needs_a_recording_of_one(tmp_path: Path, last_us: int, peak_rate: float | None) -> None:
+    t_us = np.array([0, 5, 9_998, last_us])
+    one = np.ones(4, np.uint16)
+    found = described(tmp_path, Events(t_us, one, one, one.astype(np.uint8)))
+    assert found.peak_rate == (pytest.approx(peak_rate) if peak_rate else None)
+    assert found.mean_rate == pytest.approx(4e6 / last_us)
+    assert found.on_share == 1.0
+
+
+@pytest.mark.parametrize(("height", "told"), [(2, True), (3, False)])
+def test_pixels_of_the_largest_sensors_are_not_counted(
+    tmp_path: Path, height: int, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("evcot.recordings.describe.MOST_PIXELS", 20)
+    assert (described(tmp_path, _in_rows(2), (10, height)).pixels is not None) == told
+
+
+def test_five_pixels_are_named_and_equally_busy_ones_by_row(tmp_path: Path) -> None:
+    pixels = described(tmp_path, _in_rows(2), (10, 2)).pixels
+    assert pixels is not None
+    assert [each.share for each in pixels.busiest] == [1 / 20] * 5
+    places = [(each.y, each.x) for each in pixels.busiest]
+    assert places == sorted(set(places))
+    assert (pixels.silent, pixels.median_interval_us) == (0.0, None)
+
+
+def _in_rows(rows: int) -> Events:
+    """An event of each pixel of rows of ten."""
+    at = np.arange(10 * rows)
+    return Events(at.astype(np.int64), (at % 10).astype(np.uint16), (at // 10).astype(np.uint16), (at % 2).astype(np.uint8))
