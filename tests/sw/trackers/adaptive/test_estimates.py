@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +12,8 @@ import pytest
 from evcot.events import Events, Recording
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.adaptive.config import AdaptiveConfig
-from evcot.trackers.adaptive.estimates import Estimates, ObservedTracker, Spread
-from evcot.trackers.adaptive.tracker import AdaptiveTracker
+from evcot.trackers.adaptive.estimates import SAMPLE_US, Estimates, ObservedTracker, Spread, _Histogram
+from evcot.trackers.adaptive.tracker import SIGHTING, AdaptiveTracker
 from evcot.tracks.tracking import log_of
 
 SENSOR = (128, 96)
@@ -112,3 +113,84 @@ def test_discs_of_a_scene() -> None:
     seen = estimated(recording.events, sensor=(recording.width, recording.height))
     assert seen.half_px is not None
     assert 0.8 * 9.0 < seen.half_px.low < seen.half_px.high < 1.2 * 9.0
+
+
+@pytest.mark.parametrize(("value", "decades"), [(1.0, 2.005), (1.024, 2.015), (1e-3, 0.005), (0.0, 0.005), (1e9, 7.995)])
+def test_a_histogram_has_a_hundred_bins_per_decade_from_a_hundredth_on(value: float, decades: float) -> None:
+    histogram = _Histogram()
+    assert not histogram.any
+    histogram.add(np.array([value, value]))
+    assert histogram.any
+    assert histogram.quantile(0.5) == pytest.approx(0.01 * 10**decades)
+
+
+def ends_of(spread: Spread | None) -> tuple[float, float]:
+    assert spread is not None
+    return spread.low, spread.high
+
+
+def test_a_tenth_of_the_values_lies_below_the_spread_and_a_tenth_above() -> None:
+    histogram = _Histogram()
+    histogram.add(np.array([1.0, 1e1, 1e2, 1e3, 1e4]))
+    histogram.add(np.array([1e1] * 13 + [1e2]))
+    assert histogram.spread() is None, "19 tell nothing"
+    histogram.add(np.array([1e4]))
+    assert ends_of(histogram.spread()) == pytest.approx((10, 1e3), rel=0.02)  # 2 and 18 of 20
+
+
+class Samples:
+    """A tracker that shows so many objects of 3 and 4 px, one sample after the other."""
+
+    def __init__(self, *visible: int) -> None:
+        self.visible, self.settled, self.noise_hz = list(visible), 0, 0.5
+        self.fed: list[int] = []
+        self.sampled_at: list[int] = []
+
+    def feed(self, events: Events) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+        self.fed += events.t_us.tolist()
+        return np.empty(0), np.zeros(len(events), np.int16)
+
+    def sightings(self) -> np.ndarray[Any, Any]:
+        self.sampled_at.append(self.fed[-1])
+        seen = np.zeros(self.visible.pop(0), SIGHTING)
+        seen["half_x"], seen["half_y"], seen["speed_px_s"] = 3.0, 4.0, 50.0
+        return seen
+
+    def restless(self) -> np.ndarray[Any, Any]:
+        return np.array([[True, len(self.sampled_at) % 2 == 1]])
+
+
+def at_times(*t_us: int) -> Events:
+    none = np.zeros(len(t_us), np.uint16)
+    return Events(np.array(t_us, np.int64), none, none, none.astype(np.uint8))
+
+
+@pytest.mark.parametrize("runs", [1, 2, 5])
+def test_the_state_is_sampled_every_50_ms_before_the_event_at_that_time(runs: int) -> None:
+    observed = ObservedTracker(AdaptiveConfig(), 2, 1)
+    tracker = observed._tracker = Samples(0, 1, 2, 1)  # type: ignore[assignment]
+    t_us = [7, SAMPLE_US + 6, SAMPLE_US + 7, 2 * SAMPLE_US + 6, 4 * SAMPLE_US + 50, 5 * SAMPLE_US + 7]
+    for part in np.array_split(np.array(t_us), runs):
+        observed.feed(at_times(*part.tolist()))
+    assert tracker.fed == t_us
+    assert tracker.sampled_at == [SAMPLE_US + 6, 2 * SAMPLE_US + 6, 4 * SAMPLE_US + 50]
+    assert observed.estimates().seen_us == 5 * SAMPLE_US
+
+
+def test_estimates_are_made_of_the_samples() -> None:
+    observed = ObservedTracker(AdaptiveConfig(), 2, 1)
+    observed._tracker = Samples(*[1] * 98, 3, 2)  # type: ignore[assignment]
+    observed.feed(at_times(*range(0, 101 * SAMPLE_US, SAMPLE_US)))
+    seen = observed.estimates()
+    assert (seen.alive_most, seen.hot, seen.seen_us) == (2, 1, 100 * SAMPLE_US)  # 3 in one sample of a hundred
+    assert ends_of(seen.half_px) == pytest.approx((4, 4), rel=0.02)
+    assert ends_of(seen.speed_px_s) == pytest.approx((50, 50), rel=0.02)
+    assert seen.noise_hz == pytest.approx(0.5, rel=0.02)
+
+
+@pytest.mark.parametrize(("samples", "hot"), [(19, 0), (20, 1), (22, 1)])
+def test_hot_pixels_are_those_ignored_in_most_samples_from_the_first_second_on(samples: int, hot: int) -> None:
+    observed = ObservedTracker(AdaptiveConfig(), 2, 1)
+    observed._tracker = Samples(*[0] * samples)  # type: ignore[assignment]
+    observed.feed(at_times(*range(0, (samples + 1) * SAMPLE_US, SAMPLE_US)))
+    assert observed.estimates().hot == hot
