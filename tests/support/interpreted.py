@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from evcot.trackers.adaptive import bins, births, boxes, life, look, restless
+from evcot.trackers.adaptive import bins, births, boxes, life, look, restless, tracker
 from evcot.trackers.adaptive.config import AdaptiveConfig
 from evcot.trackers.adaptive.layout import Rules, World, make_rules, make_world
 
@@ -18,7 +18,7 @@ __all__ = ["HEIGHT", "WIDTH", "interpret", "scene"]
 WIDTH, HEIGHT = 200, 120
 
 
-_ADAPTIVE: tuple[ModuleType, ...] = (births, bins, boxes, life, look, restless)
+_ADAPTIVE: tuple[ModuleType, ...] = (births, bins, boxes, life, look, restless, tracker)
 
 
 def interpret(patch: pytest.MonkeyPatch, *modules: ModuleType) -> None:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -12,13 +14,15 @@ from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.recordings.files import read_recording
+from evcot.trackers.adaptive import tracker as adaptive_tracker
 from evcot.trackers.adaptive.config import AdaptiveConfig
-from evcot.trackers.adaptive.layout import Rules, World, make_rules, make_world
+from evcot.trackers.adaptive.layout import UNSET_US, Rules, World, make_rules, make_world
 from evcot.trackers.adaptive.life import RECORDS_PER_PACKET, close_packet
 from evcot.trackers.adaptive.tracker import AdaptiveTracker, track
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.timeline import sample
 from shared import SHARED
+from support.interpreted import interpret, scene
 
 WIDTH, HEIGHT = 346, 260
 SEED = 7
@@ -52,6 +56,76 @@ def together(*parts: tuple[NDArray[np.float64], ...], width: int = WIDTH, height
 
 def run(recording: Recording) -> TrackLog:
     return track(recording, AdaptiveConfig())
+
+
+def fed(
+    monkeypatch: pytest.MonkeyPatch,
+    events: list[tuple[int, int, int]],
+    *objects: dict[str, Any],
+    begin: int = 0,
+    rows: int = 99,
+) -> tuple[int, list[int], World]:
+    """Feed events (t_us, x, y) of the open packet, which ends at 5,000 us: the number done, their owners, the world."""
+    interpret(monkeypatch)
+    rules, world = scene(*objects)
+    for i in range(len(objects)):
+        world.objects["x"][i], world.objects["y"][i] = world.state[i, :, 0]
+        world.objects["half_x"][i], world.objects["half_y"][i] = world.state[i, :, 2]
+        world.near[:, :, i] = i
+    world.run[0].packet_end_us = 5_000 if objects else UNSET_US
+    ts, xs, ys = np.array(events).T
+    owner, out = np.full(len(events), -9, np.int16), np.zeros(rows, TRACK).view(np.recarray)
+    return adaptive_tracker.feed(rules, world, ts, xs, ys, begin, owner, out), owner.tolist(), world
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "owner"),
+    [
+        (88, 60, 0),  # half sides of 10 and a gate of 2 px around (100, 60)
+        (87, 60, -1),
+        (100, 48, 0),
+        (100, 47, -1),
+        (100, 72, 0),
+        (100, 73, -1),
+        (104, 60, 0),  # 0.4 half sides; of the other at 110, with half sides of 5, 1.2
+        (106, 60, 0),
+        (107, 60, 1),
+        (117, 60, 1),
+        (118, 60, -1),
+        (110, 67, 0),  # 1 half side of both: the first
+        (110, 53, 0),
+        (110, 64, 1),
+    ],
+)
+def test_an_event_is_of_the_object_in_whose_gate_it_lies_closest(
+    x: int, y: int, owner: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = {"x": 110, "hx": 5, "hy": 7}
+    done, owners, world = fed(monkeypatch, [(10, x, y), (20, x, y)], {}, other)
+    assert (done, owners) == (2, [owner, owner])
+    assert world.objects["packet_events"].tolist() == [2 if owner == k else 0 for k in (0, 1)]
+    assert world.seen[y, x] == 20
+    assert np.argwhere(world.pixels).tolist() == [[0, y >> 3, x >> 3]]
+    assert world.pixels[0, y >> 3, x >> 3] == 1 << (8 * (y & 7) + (x & 7))
+
+
+def test_events_are_counted_from_where_a_run_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    done, owners, world = fed(monkeypatch, [(10, 1, 1), (20, 100, 60), (4_999, 100, 60)], {}, begin=1)
+    assert (done, owners) == (3, [-9, 0, 0])
+    assert (world.run[0].index, world.run[0].last_us, world.run[0].settled) == (2, 4_999, 0)
+
+
+def test_a_packet_is_closed_by_the_first_event_after_it_if_its_records_have_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    events = [(4_999, 100, 60), (5_000, 100, 60)]
+    done, owners, world = fed(monkeypatch, events, {}, rows=RECORDS_PER_PACKET)
+    assert (done, owners, world.run[0].settled, world.run[0].packet_end_us > 5_000) == (2, [0, 0], 1, True)
+    done, owners, world = fed(monkeypatch, events, {}, rows=RECORDS_PER_PACKET - 1)
+    assert (done, owners, world.run[0].index, world.run[0].packet_end_us) == (1, [0, -9], 1, 5_000)
+
+
+def test_time_begins_with_the_first_event(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, _, world = fed(monkeypatch, [(70, 3, 4), (80, 3, 4)])
+    assert (world.run[0].first_us, world.run[0].packet_end_us, world.run[0].last_us) == (70, 5_070, 80)
 
 
 @pytest.mark.parametrize(("radius_px", "speed_px_s"), [(6, 60), (6, 400), (12, 40), (12, 150), (12, 1000), (40, 80), (40, 600)])
