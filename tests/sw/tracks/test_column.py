@@ -80,6 +80,7 @@ def test_full_blocks_are_written_at_once_and_the_rest_when_flushed(tmp_path: Pat
     assert blocks_of(path) == []
     values = PackedColumn(path, INT)
     added(values, 3, 2, 6)
+    assert values._packed == 8
     values.flush()
     assert blocks_of(path) == [4, 4, 3]
     values.close()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
 from evcot.tracks import track_pairs
-from evcot.tracks.compare import MergePair, TrackPair, compare
+from evcot.tracks.compare import Comparison, MergePair, TrackPair, compare
 from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.timeline import MERGE
 from evcot.tracks.track_pairs import best_pairs, closest_pairs, pair_merges
@@ -307,3 +307,13 @@ def test_a_side_without_merges_leaves_the_other_alone() -> None:
     merges, none = random_merges(np.random.default_rng(1), 9), np.empty(0, MERGE)
     assert pair_merges(none, merges, RADIUS_PX, TOLERANCE_US, None).software_alone.tolist() == merges["track_id"].tolist()
     assert pair_merges(merges, none, RADIUS_PX, TOLERANCE_US, None).hardware_alone.tolist() == merges["track_id"].tolist()
+
+
+def test_samples_are_taken_from_the_beginning_to_the_end_and_of_a_part_before_the_next() -> None:
+    """Every 10 us from 10 us on; the end counts."""
+    for end_us, last_us in ((49, 40), (50, 50)):
+        comparison = Comparison(10, end_us, step_us=10)
+        assert comparison.times_us(10, None).tolist() == list(range(10, last_us + 1, 10))
+        assert comparison.times_us(21, None).tolist() == list(range(30, last_us + 1, 10))
+    assert comparison.times_us(15, 40).tolist() == [20, 30]
+    assert comparison.times_us(20, 41).tolist() == [20, 30, 40]

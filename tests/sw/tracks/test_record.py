@@ -106,6 +106,7 @@ def test_the_last_row_of_a_key_until_a_time() -> None:
     asked = [(1, 9), (1, 10), (1, 29), (1, 30), (1, 99), (2, 19), (2, 20), (0, 99), (3, 99)]
     key, until = np.array(asked).T
     assert last_until(keys, times, key, until).tolist() == [-1, 0, 0, 3, 3, -1, 1, -1, -1]
+    assert last_until(keys, times, np.array([1]), np.array([10])).tolist() == [0]
     assert last_until(keys[:0], times[:0], key[:2], until[:2]).tolist() == [-1, -1]
 
 
