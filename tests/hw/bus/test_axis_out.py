@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from evcot.hardware.classifier import VERDICT_KIND, VERDICT_RECORD
 from evcot.hardware.contract import RECORD
 from evcot.hardware.motion.contract import MOTION_RECORD
 from support.beats import event_beats
@@ -51,6 +52,22 @@ def joined(run: StreamRun, width: int, record: np.dtype[np.void] = RECORD, packe
     length = packet * -(-8 * record.itemsize // width)
     assert beats[:, 2].tolist() == [int(i % length == length - 1) for i in range(len(beats))]
     return np.frombuffer(data[keep].tobytes(), record)
+
+
+@pytest.mark.parametrize("width", [32, 64])
+def test_verdicts_come_out_byte_for_byte(width: int) -> None:
+    fields = {"slot": 3, "id": 32, "seq": 48, "class": 4, "margin": 15, "windows": 8}
+    given, outputs = Bundle("s_verdict_", tuple(fields)), [Bundle("m_axis_t", ("data", "keep", "last"))]
+    parameters = {"DATA_W": width, "DEPTH": 4, "MOTION": 1, "CLASSIFY": 1, "X_W": 25, "Y_W": 25}
+    ports = {"packet_records": 1, "packet_wait": 0}
+    device = StreamDevice("axis_records_out", parameters, inputs=[given], outputs=outputs, ports=ports, has_idle=True)
+    rng = np.random.default_rng(2)
+    words = np.stack([rng.integers(0, 1 << bits, 50, np.uint64) for bits in fields.values()], 1)
+    wanted = np.zeros(50, VERDICT_RECORD)
+    wanted["kind"] = VERDICT_KIND
+    for name, column in zip(("slot", "track_id", "seq", "class_index", "margin", "windows"), words.T, strict=True):
+        wanted[name] = column
+    assert np.array_equal(joined(device.run({"s_verdict_": words}), width, wanted.dtype), wanted)
 
 
 @pytest.mark.parametrize("packet", [1, 3])
