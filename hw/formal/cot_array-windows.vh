@@ -11,10 +11,10 @@ cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output
 k = 1
 covers_within = 110
 shorter = ["stale   <= 1'b1;\n            exempt", "stale   <= 1'b0;\n            exempt"]  # no look at lives before the first token
-quick = true
 
 [[tasks]]
 name = "2"
+quick = true
 parameters = { N = 2 }
 cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output*", "t:*array_average*", "t:*cot_window*", "t:*weighted_mean*", "t:*cot_regs*"]
 k = 1
