@@ -4,9 +4,10 @@
 hw/formal/MODULE.vh, or MODULE-PART.vh for one subject, has the properties of a module, as Verilog that this script puts before
 the module's `endmodule`, below a comment that says, as TOML, what is run:
 
+    cut           cells whose outputs may be anything, in all tasks
     [properties]  NAME = "statement", for each property
     [[tasks]]     name, parameters, k (steps of the induction), covers_within (clocks), quick (part of --quick),
-                  cut (cells whose outputs may be anything), only (the covers that this task must reach, if not all),
+                  cut (for this task alone), only (the covers that this task must reach, if not all),
                   shorter (a text and what replaces it, so that covers and faults need fewer clocks; not in the proof)
     [[faults]]    meaning, file, right (text in it), wrong (what replaces it), breaks (properties), since and within (clocks),
                   task (default: the first)
@@ -118,7 +119,7 @@ class Module:
         """Read hw/formal/NAME.vh and check that its comment and its Verilog have the same names."""
         told, verilog = _parts(name)
         data = tomllib.loads(told)
-        tasks = [_made(Task, {"rules": name, **entry}) for entry in data["tasks"]]
+        tasks = [_made(Task, {"rules": name, "cut": data.get("cut", []), **entry}) for entry in data["tasks"]]
         first = {"file": f"{module_of(name)}.v", "task": tasks[0].name}
         faults = tuple(_made(Fault, {**first, **entry}) for entry in data["faults"])
         made = cls(module_of(name), data["properties"], {task.name: task for task in tasks}, faults)
@@ -358,10 +359,9 @@ def main() -> int:
     asked = parser.parse_args()
 
     known = sorted(path.stem for path in FORMAL.glob("*.vh") if not path.stem.endswith("_ghosts"))
-    if unknown := set(asked.modules) - {module_of(name) for name in known}:
-        parser.error(
-            f"no properties for {', '.join(sorted(unknown))}: choose from {', '.join(dict.fromkeys(map(module_of, known)))}"
-        )
+    choices = dict.fromkeys(map(module_of, known))
+    if unknown := set(asked.modules) - choices.keys():
+        parser.error(f"no properties for {', '.join(sorted(unknown))}: choose from {', '.join(choices)}")
     modules = [Module.load(name) for name in known if not asked.modules or module_of(name) in asked.modules]
     todo = [job for module in modules for job in jobs(module, asked.quick, asked.trace)]
     begin = time.monotonic()

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*block_memory*"]
+
 [properties]
 read_alone = "a read is answered within 36 clocks of its handshake, if no write is open meanwhile"
 write_alone = "a write is answered within 38 clocks of its last handshake, with TRACKER = 2 within 46, if no read is open meanwhile"
@@ -11,7 +13,6 @@ name = "array"
 parameters = { N = 8, TRACKER = 0 }
 k = 2
 covers_within = 60
-cut = ["t:*block_memory*"]
 only = ["read_alone", "write_alone"]
 shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
 quick = true
@@ -21,7 +22,6 @@ name = "chain"
 parameters = { N = 8, TRACKER = 1 }
 k = 2
 covers_within = 60
-cut = ["t:*block_memory*"]
 only = ["read_alone", "write_alone"]
 shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
 
@@ -30,7 +30,6 @@ name = "motion"
 parameters = { N = 8, TRACKER = 2 }
 k = 2
 covers_within = 60
-cut = ["t:*block_memory*"]
 only = ["read_alone", "write_alone"]
 shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
 quick = true
@@ -40,7 +39,6 @@ name = "classifier"
 parameters = { N = 8, TRACKER = 2, CLASSIFY = 1 }
 k = 2
 covers_within = 60
-cut = ["t:*block_memory*"]
 only = ["read_alone", "write_alone"]
 shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
 
@@ -49,7 +47,6 @@ name = "motion_64"
 parameters = { N = 64, TRACKER = 2 }
 k = 2
 covers_within = 60
-cut = ["t:*block_memory*"]
 only = []
 shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
 
@@ -58,7 +55,6 @@ name = "1"
 parameters = { N = 1, TRACKER = 0 }
 k = 2
 covers_within = 60
-cut = ["t:*block_memory*"]
 shorter = ["LAST_FILL = (BANKS << REG_W) - 1", "LAST_FILL = 3"]
 
 [[faults]]

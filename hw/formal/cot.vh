@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*cot_axis*", "t:*cot_regs*"]
+
 [properties]
 states = "the FSM takes the transitions of the paper only"
 once = "an accepted event leaves at one output, owned or passed, and not twice"
@@ -17,7 +19,6 @@ name = "default"
 parameters = { X_W = 9, Y_W = 9, FRAC = 4, TICK_W = 20, RADIX_W = 8, NEV_W = 10, TC_W = 24, SUP_W = 16, ID_W = 32, SEQ_W = 48, TIME_W = 48 }
 k = 5
 covers_within = 24
-cut = ["t:*cot_axis*", "t:*cot_regs*"]
 only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
 quick = true
 
@@ -26,7 +27,6 @@ name = "covers"
 parameters = { TICK_W = 4, RADIX_W = 3, NEV_W = 3, TC_W = 4, SUP_W = 4, ID_W = 4, SEQ_W = 8, TIME_W = 8 }
 k = 5
 covers_within = 16
-cut = ["t:*cot_axis*", "t:*cot_regs*"]
 quick = true
 
 [[tasks]]
@@ -34,7 +34,6 @@ name = "bits"
 parameters = { X_W = 1, Y_W = 1, FRAC = 0, TICK_W = 1, RADIX_W = 1, NEV_W = 1, TC_W = 1, SUP_W = 1, ID_W = 1, SEQ_W = 8, TIME_W = 8 }
 k = 5
 covers_within = 24
-cut = ["t:*cot_axis*", "t:*cot_regs*"]
 only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
 
 [[tasks]]
@@ -42,7 +41,6 @@ name = "long_ticks"
 parameters = { X_W = 11, Y_W = 11, TICK_W = 32, RADIX_W = 12, NEV_W = 16, TC_W = 32, SUP_W = 32, ID_W = 32, SEQ_W = 48, TIME_W = 48 }
 k = 5
 covers_within = 24
-cut = ["t:*cot_axis*", "t:*cot_regs*"]
 only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
 
 [[tasks]]
@@ -50,7 +48,6 @@ name = "short_timers"
 parameters = { TICK_W = 32, TC_W = 2 }
 k = 5
 covers_within = 24
-cut = ["t:*cot_axis*", "t:*cot_regs*"]
 only = ["states", "once", "lost", "ticks", "fields", "time", "stable"]
 
 [[faults]]

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output*", "t:*array_average*", "t:*cot_window*", "t:*weighted_mean*", "t:*cot_regs*"]
+
 [properties]
 apart = "when an event is decided, no two active windows share a pixel"
 owner = "an event that an active window holds is owned by the slot of that window"
@@ -7,7 +9,6 @@ owner = "an event that an active window holds is owned by the slot of that windo
 [[tasks]]
 name = "2, narrow"
 parameters = { N = 2, X_W = 3, Y_W = 3, FRAC = 1, TICK_W = 4, RADIX_W = 2, NEV_W = 2, TC_W = 4, SUP_W = 3, ID_W = 3, SEQ_W = 8, TIME_W = 8 }
-cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output*", "t:*array_average*", "t:*cot_window*", "t:*weighted_mean*", "t:*cot_regs*"]
 k = 1
 covers_within = 110
 shorter = ["stale   <= 1'b1;\n            exempt", "stale   <= 1'b0;\n            exempt"]  # no look at lives before the first token
@@ -16,7 +17,6 @@ shorter = ["stale   <= 1'b1;\n            exempt", "stale   <= 1'b0;\n          
 name = "2"
 quick = true
 parameters = { N = 2 }
-cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output*", "t:*array_average*", "t:*cot_window*", "t:*weighted_mean*", "t:*cot_regs*"]
 k = 1
 covers_within = 1
 only = []
@@ -24,7 +24,6 @@ only = []
 [[tasks]]
 name = "8"
 parameters = { N = 8 }
-cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output*", "t:*array_average*", "t:*cot_window*", "t:*weighted_mean*", "t:*cot_regs*"]
 k = 1
 covers_within = 1
 only = []
@@ -32,7 +31,6 @@ only = []
 [[tasks]]
 name = "16"
 parameters = { N = 16, X_W = 5, Y_W = 4, RADIX_W = 3 }
-cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output*", "t:*array_average*", "t:*cot_window*", "t:*weighted_mean*", "t:*cot_regs*"]
 k = 1
 covers_within = 1
 only = []
@@ -40,7 +38,6 @@ only = []
 [[tasks]]
 name = "17"
 parameters = { N = 17, X_W = 4, Y_W = 5, RADIX_W = 3 }
-cut = ["t:*array_input*", "t:*array_lives*", "t:*array_order*", "t:*array_output*", "t:*array_average*", "t:*cot_window*", "t:*weighted_mean*", "t:*cot_regs*"]
 k = 1
 covers_within = 1
 only = []

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
+
 [properties]
 order = "a token commits after those before it, with the time, address and polarity that it came with, taken or passed if it is an event"
 once = "each token commits once, and at most 16 wait"
@@ -9,7 +11,6 @@ room = "at most eight events follow the fall of room"
 [[tasks]]
 name = "8"
 parameters = { N = 8 }
-cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
 k = 2
 covers_within = 1
 only = []
@@ -18,7 +19,6 @@ quick = true
 [[tasks]]
 name = "1"
 parameters = { N = 1 }
-cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
 k = 2
 covers_within = 30
 # No slot is restarted after reset, and no life looked at.
@@ -30,7 +30,6 @@ shorter = [
 [[tasks]]
 name = "2"
 parameters = { N = 2 }
-cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
 k = 2
 covers_within = 1
 only = []
@@ -38,7 +37,6 @@ only = []
 [[tasks]]
 name = "16"
 parameters = { N = 16 }
-cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
 k = 2
 covers_within = 1
 only = []
@@ -46,7 +44,6 @@ only = []
 [[tasks]]
 name = "32"
 parameters = { N = 32 }
-cut = ["t:*array_match*", "t:*array_lives*", "t:*array_merge*", "t:*array_order*", "t:*array_output*"]
 k = 2
 covers_within = 1
 only = []

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*cot"]
+
 [properties]
 once = "an event that came is in one tracker until it leaves, and in none afterwards"
 one = "it leaves as owned by one tracker, or as passed"
@@ -8,7 +10,6 @@ number = "it leaves with its place among the events that came"
 [[tasks]]
 name = "8"
 parameters = { N = 8 }
-cut = ["t:*cot"]
 k = 2
 covers_within = 14
 quick = true
@@ -16,7 +17,6 @@ quick = true
 [[tasks]]
 name = "1"
 parameters = { N = 1 }
-cut = ["t:*cot"]
 k = 2
 covers_within = 10
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*axis_words*"]
+
 [properties]
 once = "each word of events, and no other, is given to event_vector once; other words are taken at once"
 mark = "each time mark, and nothing else, is given to time_mark once"
@@ -9,7 +11,6 @@ reserved = "n_reserved is the number of words of reserved types"
 [[tasks]]
 name = "defaults"
 parameters = { DATA_W = 64, T_W = 48 }
-cut = ["t:*axis_words*"]
 k = 1
 covers_within = 10
 quick = true
@@ -17,7 +18,6 @@ quick = true
 [[tasks]]
 name = "35"
 parameters = { DATA_W = 32, T_W = 35, X_W = 1, Y_W = 1, WIDTH = 1, HEIGHT = 1, COUNT_W = 8 }
-cut = ["t:*axis_words*"]
 k = 1
 covers_within = 10
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*axis_words*"]
+
 [properties]
 once = "each event word, and no other, is given to event_vector once; other words are taken at once"
 mark = "each time mark, and nothing else, is given to time_mark once"
@@ -9,7 +11,6 @@ reserved = "n_reserved is the number of words of reserved types"
 [[tasks]]
 name = "defaults"
 parameters = { DATA_W = 32, T_W = 48 }
-cut = ["t:*axis_words*"]
 k = 1
 covers_within = 10
 quick = true
@@ -17,14 +18,12 @@ quick = true
 [[tasks]]
 name = "35"
 parameters = { DATA_W = 16, T_W = 35, X_W = 1, Y_W = 1, WIDTH = 1, HEIGHT = 1, COUNT_W = 8 }
-cut = ["t:*axis_words*"]
 k = 1
 covers_within = 10
 
 [[tasks]]
 name = "64"
 parameters = { DATA_W = 64, T_W = 64, COUNT_W = 64 }
-cut = ["t:*axis_words*"]
 k = 1
 covers_within = 10
 

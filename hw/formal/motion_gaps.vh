@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*motion_bins*"]
+
 [properties]
 ends = "a look ends 47 clocks after it is asked for, not before, if none is asked for meanwhile or just after reset"
 once = "done comes only after a look that was asked for"
@@ -7,7 +9,6 @@ once = "done comes only after a look that was asked for"
 [[tasks]]
 name = "8 slots"
 parameters = { PX_W = 13, SLOT_W = 3 }
-cut = ["t:*motion_bins*"]
 k = 1
 covers_within = 52
 quick = true
@@ -15,7 +16,6 @@ quick = true
 [[tasks]]
 name = "64 slots"
 parameters = { PX_W = 20, SLOT_W = 6 }
-cut = ["t:*motion_bins*"]
 k = 1
 covers_within = 52
 only = []

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*motion_mask*"]
+
 [properties]
 owner = "the owner is the lowest slot of the first line of rule O1 that has one, the slot of an operation, or none if no line has a slot"
 begins = "a candidate begins exactly where line 4 or 5 decides"
@@ -9,14 +11,12 @@ plane = "a slot's plane changes when it is placed, and at no other time"
 [[tasks]]
 name = "16"
 parameters = { N = 16, SLOT_W = 4 }
-cut = ["t:*motion_mask*"]
 k = 2
 covers_within = 8
 quick = true
 
 [[tasks]]
 name = "8"
-cut = ["t:*motion_mask*"]
 k = 2
 covers_within = 8
 only = []
@@ -24,7 +24,6 @@ only = []
 [[tasks]]
 name = "1"
 parameters = { N = 1, SLOT_W = 1 }
-cut = ["t:*motion_mask*"]
 k = 2
 covers_within = 8
 only = []
@@ -32,7 +31,6 @@ only = []
 [[tasks]]
 name = "64"
 parameters = { N = 64, SLOT_W = 6, X_W = 16, Y_W = 16, PX_W = 20 }
-cut = ["t:*motion_mask*"]
 k = 2
 covers_within = 8
 only = []

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
 [properties]
-ends = "a motion step ends, besides waits for masks and records, after 56 + n clocks at most, or 37 + d if that is more (n: other slots that are not free, d: bits by which an age is shifted), and what is allowed for: 5 if a side is too long, 30 for each slot that is compared and 4 if there is any, 78 + d + n, or 58 + 2 d, if one of them is alike, 76 + n for each candidate that it is united with"
+ends = "a motion step ends within the bound of docs/motion.md, besides waits for masks and records"
 compares = "a step compares each of the other slots once at most"
 
 [[tasks]]
@@ -55,7 +55,6 @@ localparam [11:0] F_PAIR = 12'd22, F_MERGE = 12'd55;
 always @* assume (f_n < N);
 
 reg        f_was_rst, f_ok;           // what was set before the first clock of a reset is over
-reg [7:0]  f_time = 8'd0;
 reg        f_job;                     // a step is being computed
 reg [11:0] f_credit;                  // clocks that are left of the bound, at most 4095
 reg        f_late;                    // none was left
@@ -68,7 +67,7 @@ reg [4:0]  f_pair;                    // since a comparison
 reg [5:0]  f_merged;                  // since a merge, without waits
 reg [6:0]  f_div;                     // for so many clocks a division may go on
 
-wire       f_read_done = f_read[4], f_in_merge = state == MERGE && !merge;
+wire       f_in_merge = state == MERGE && !merge;
 
 always @* assume (!f_past || f_ok || rst);
 always @* assume (!start || rests);
@@ -187,7 +186,6 @@ wire [13:0] f_next   = {2'd0, f_credit} + f_allows - {13'd0, f_job && !done && !
 always @(posedge clk) begin
     f_was_rst  <= rst;
     f_ok       <= rst ? f_was_rst && f_past : f_ok;
-    f_time     <= f_time + 8'd1;
     f_job      <= start || (f_job && !done);
     f_credit   <= start ? f_base - 12'd1 : f_next[13:12] != 2'd0 ? 12'd4095 : f_next[11:0];
     f_late     <= !start && (f_late || (f_job && !done && f_credit == 12'd0 && f_allows == 14'd0 && !f_stall));

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /*
+cut = ["t:*motion_slot*", "t:*motion_pace*", "t:*motion_velocity*", "t:*motion_look*", "t:*motion_birth*", "t:*motion_lives*", "t:*motion_pair*", "t:*motion_meeting*", "t:*block_memory*", "t:*array_sum*", "t:*motion_sum*", "t:*multiplier*"]
+
 [properties]
 read = "a slot is read four clocks after it is asked for, not before; that of a correction when the correction begins, and loaded then"
 lane = "`lane` changes in each clock, but for the one after a slot is loaded: there it is high"
@@ -10,7 +12,6 @@ alone = "a correction or a seed begins only when the one before is done"
 [[tasks]]
 name = "8 slots"
 parameters = { N = 8, SLOT_W = 3 }
-cut = ["t:*motion_slot*", "t:*motion_pace*", "t:*motion_velocity*", "t:*motion_look*", "t:*motion_birth*", "t:*motion_lives*", "t:*motion_pair*", "t:*motion_meeting*", "t:*block_memory*", "t:*array_sum*", "t:*motion_sum*", "t:*multiplier*"]
 k = 1
 covers_within = 44
 
@@ -18,7 +19,6 @@ covers_within = 44
 name = "16 slots"
 quick = true
 parameters = { N = 16, SLOT_W = 4 }
-cut = ["t:*motion_slot*", "t:*motion_pace*", "t:*motion_velocity*", "t:*motion_look*", "t:*motion_birth*", "t:*motion_lives*", "t:*motion_pair*", "t:*motion_meeting*", "t:*block_memory*", "t:*array_sum*", "t:*motion_sum*", "t:*multiplier*"]
 k = 1
 covers_within = 44
 only = []
@@ -26,7 +26,6 @@ only = []
 [[tasks]]
 name = "64 slots"
 parameters = { N = 64, SLOT_W = 6, X_W = 16, Y_W = 16, SIDE_W = 32, PX_W = 20, SUP_W = 32 }
-cut = ["t:*motion_slot*", "t:*motion_pace*", "t:*motion_velocity*", "t:*motion_look*", "t:*motion_birth*", "t:*motion_lives*", "t:*motion_pair*", "t:*motion_meeting*", "t:*block_memory*", "t:*array_sum*", "t:*motion_sum*", "t:*multiplier*"]
 k = 1
 covers_within = 44
 only = []

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 from pyverilator import PyVerilator
 
-__all__ = ["Control", "Said", "check_reset"]
+__all__ = ["Control", "Said", "check_reset_of_job"]
 
 Said = tuple[str, int] | tuple[str, int, int]
 READ, WINDOW, SOON = 4, 6, 2  # clocks from `fetch` until the slot is read: motion_work.v; of a window: motion_window.v
 LONGEST, MOST = 250, 400  # clocks in which nothing is said; what is said in all
 
 
-def check_reset(sim: PyVerilator, commands: Sequence[str], **start: int) -> None:
+def check_reset_of_job(sim: PyVerilator, commands: Sequence[str], **start: int) -> None:
     """A few clocks after a reset of one clock, at any moment of a job, the module rests and commands nothing.
 
     Args:

@@ -4,9 +4,9 @@
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    from start to done 20 clocks for a slot whose track may return, 46 for a candidate, 51 or 56 if it appears, 41 for a visible
-//             slot if no division is longer. For these: a clock for each other slot that is not free, 5 if a side is too long, 30 for each
-//             slot that is compared and 4 if there is any, more if it merges. hw/formal/motion_step.vh has all bounds.
+// Latency:    from start to done 20 clocks for a slot whose track may return, 46 for a candidate, 51 or 56 if it appears. A visible slot
+//             takes 41 if no division is longer. To these, each other slot that is not free adds a clock, a side that is too long 5.
+//             Each slot that is compared adds 30, the first one 4 more. hw/formal/motion_step.vh has all bounds.
 // Throughput: one at a time.
 // Stall:      waits for its records to be accepted, and for masks of the window before to be written.
 // Reset:      waits for a start.

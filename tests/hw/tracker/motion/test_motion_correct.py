@@ -10,7 +10,7 @@ import pytest
 
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.motion_control import Control, Said, check_reset
+from support.motion_control import Control, Said, check_reset_of_job
 
 SLOT_W = 3
 LAST, SEEDED, REPORTED = range(3)
@@ -100,7 +100,7 @@ def words(said: list[Said], axes: dict[int, int]) -> list[str]:
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_reset_at_any_moment_of_a_job_ends_it(seed: int) -> None:
-    check_reset(load("motion_correct", {"SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS), COMMANDS, start=1, seed=seed)
+    check_reset_of_job(load("motion_correct", {"SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS), COMMANDS, start=1, seed=seed)
 
 
 @pytest.mark.parametrize("stalls", [False, True])

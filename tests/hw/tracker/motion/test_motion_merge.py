@@ -8,7 +8,7 @@ import pytest
 
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.motion_control import Control, Said, check_reset
+from support.motion_control import Control, Said, check_reset_of_job
 
 N, SLOT_W, ID_W = 5, 3, 8
 TO_SIDES = ("c_settle", "c_reflect", "c_cover")
@@ -28,7 +28,7 @@ def merge_of(stays: int, goes: int, visible: list[bool], later: bool) -> list[Sa
 
 
 def test_a_reset_at_any_moment_of_a_merge_ends_it() -> None:
-    check_reset(load("motion_merge", {"SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS), COMMANDS, start=1)
+    check_reset_of_job(load("motion_merge", {"SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS), COMMANDS, start=1)
 
 
 @pytest.mark.parametrize("stalls", [False, True])

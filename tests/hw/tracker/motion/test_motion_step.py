@@ -11,7 +11,7 @@ import pytest
 
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
-from support.motion_control import Control, Said, check_reset
+from support.motion_control import Control, Said, check_reset_of_job
 
 N, SLOT_W = 5, 3
 STATES = ("free", "candidate", "visible", "left")
@@ -245,7 +245,7 @@ def run(control: Around, step: Step, rng: np.random.Generator, takes: tuple[tupl
 @pytest.mark.parametrize("end_life", [0, 1])
 def test_a_reset_at_any_moment_of_a_step_ends_it(end_life: int) -> None:
     sim = load("motion_step", {"N": N, "SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS)
-    check_reset(sim, COMMANDS, start=1, end_life=end_life)
+    check_reset_of_job(sim, COMMANDS, start=1, end_life=end_life)
 
 
 @pytest.mark.parametrize("stalls", [False, True])
