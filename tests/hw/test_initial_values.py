@@ -66,9 +66,10 @@ STATUS, CONTROL = address_of("status"), address_of("control")
 WRITE = write(STATUS, 0)[1]
 SOFT_RESET = write(CONTROL, 1 << 9)
 EVENTS, QUIET = 150, 2_000
-WITHOUT_FILTERS = [("cot_array", 0), ("cot_chain", 0), ("cot_motion", 0)]
-BUILDS = [*(("cot_array", has) for has in (0x55, 0xAA, 0xFF)), *WITHOUT_FILTERS]  # every second filter, the others, and all
-EVERY_BUILD = pytest.mark.parametrize(("module", "has"), BUILDS, ids=[f"{module}, filters {has}" for module, has in BUILDS])
+# Every second filter, the others and all, with each size of a memory's cells; the other trackers without filters.
+BUILDS = [("cot_array", 0x55, 1), ("cot_array", 0xAA, 2), ("cot_array", 0xFF, 0), ("cot_array", 0xFF, 4),
+          ("cot_chain", 0, 0), ("cot_motion", 0, 0)]  # fmt: skip
+EVERY_BUILD = pytest.mark.parametrize(("module", "has", "cell_px"), BUILDS)
 
 
 class Part(NamedTuple):
@@ -178,8 +179,8 @@ def same(found: four_state.Beats, wanted: four_state.Beats, module: Module) -> N
 
 
 @EVERY_BUILD
-def test_the_program_uses_what_is_built(module: Module, has: int) -> None:
-    wanted = expected(module, has)
+def test_the_program_uses_what_is_built(module: Module, has: int, cell_px: int) -> None:
+    wanted = expected(module, has, cell_px)
     assert len(wanted.records) > 60
     assert len(wanted.owned) > 60
     decided = len(wanted.owned) + len(wanted.passed)
@@ -188,27 +189,14 @@ def test_the_program_uses_what_is_built(module: Module, has: int) -> None:
 
 @needs_icarus
 @EVERY_BUILD
-def test_four_states(tmp_path: Path, module: Module, has: int) -> None:
-    same(in_icarus(tmp_path, module, has, 1 + has), expected(module, has), module)
+def test_four_states(tmp_path: Path, module: Module, has: int, cell_px: int) -> None:
+    same(in_icarus(tmp_path, module, has, 1 + has + cell_px, cell_px), expected(module, has, cell_px), module)
 
 
-@pytest.mark.parametrize(("module", "has"), [("cot_array", 255), *WITHOUT_FILTERS])
-def test_random_initial_values(module: Module, has: int) -> None:
-    """With all filters."""
+@pytest.mark.parametrize(("module", "has", "cell_px"), BUILDS[3:])
+def test_random_initial_values(module: Module, has: int, cell_px: int) -> None:
     for seed in range(1, 4):
-        same(in_verilator(module, has, seed), expected(module, has), module)
-
-
-@needs_icarus
-@pytest.mark.parametrize("cell_px", [1, 2, 4])
-def test_memories_of_cells(tmp_path: Path, cell_px: int) -> None:
-    wanted = expected("cot_array", 255, cell_px)
-    assert len(wanted.owned) + len(wanted.passed) > 60
-    same(in_icarus(tmp_path, "cot_array", 255, 1 + cell_px, cell_px), wanted, "cot_array")
-
-
-def test_random_initial_values_of_memories_of_cells() -> None:
-    same(in_verilator("cot_array", 255, 1, 4), expected("cot_array", 255, 4), "cot_array")
+        same(in_verilator(module, has, seed, cell_px), expected(module, has, cell_px), module)
 
 
 @needs_icarus

@@ -297,6 +297,7 @@ class TestFaults:
 def test_a_model_that_more_than_the_clock_triggers_is_evaluated_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     """As of a Verilator that leaves signals of the filters in a circle."""
     monkeypatch.setattr(building, "_VERILATOR_FLAGS", (*building._VERILATOR_FLAGS, "-fno-dfg"))
+    monkeypatch.setitem(building._DESIGN_FLAGS, "-fno-dfg", 0)  # the compiled runtime is that of all models
     filters = FilterConfig(refractory_us=2)
     config = replace(config_of("cot_array"), filters=filters.registers(1), filter_shape=filters.shape(128, 128))
     device, events = Device(config), traffic(1000)

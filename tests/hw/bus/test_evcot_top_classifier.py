@@ -53,6 +53,7 @@ COMMIT, ENABLE = bank_address("classifier"), bank_address("classifier", "enable"
 CLAMPED, REFUSED, LOCKED, UNMAPPED = 1, 2, 4, 8
 SETTLED = poll_status("pending", 0)
 LAST = 2735  # word of the weights
+QUIET = 15_000  # clocks: the windows of all slots are evaluated, and the slowest output has given what waits
 
 
 class Setting(NamedTuple):
@@ -131,7 +132,7 @@ def test_verdicts_and_records_are_exact_under_stalls(seed: int) -> None:
     network = random_network(rng, registers.classes)
     traffic = traffic_of(seed)
     setting = started(device, registers, network)
-    played = device.run(words_of(traffic), quiet_clocks=100_000)
+    played = device.run(words_of(traffic), quiet_clocks=QUIET)
     decided, verdicts = golden(CONFIG, traffic, [setting])
     assert_same(played, decided, verdicts)
     print(f"seed {seed}: {len(verdicts)} verdicts of {len(set(verdicts['track_id']))} ids")
@@ -152,7 +153,7 @@ def test_id_is_that_of_the_owner_at_the_closing_event(variant: str) -> None:
     setting = started(device, registers, random_network(rng, registers.classes))
     traffic = traffic_of(21)
     decided, verdicts = golden(config, traffic, [setting])
-    assert_same(device.run(words_of(traffic), quiet_clocks=100_000), decided, verdicts)
+    assert_same(device.run(words_of(traffic), quiet_clocks=QUIET), decided, verdicts)
     assert len(set(zip(verdicts["slot"].tolist(), verdicts["track_id"].tolist(), strict=True))) > 6
 
 
@@ -191,7 +192,7 @@ def test_registers_and_weights_change_between_two_events(seed: int) -> None:
         for address in np.flatnonzero(old_words != words).tolist():
             commands.extend([write(ADDRESS, address), write(DATA, int(words[address]))])
         commits({**asdict(registers), "enable": 1}, after, registers)
-    played = device.run(words_of(traffic), [*commands, poll_status("idle", 1, len(traffic))], quiet_clocks=100_000)
+    played = device.run(words_of(traffic), [*commands, poll_status("idle", 1, len(traffic))], quiet_clocks=QUIET)
     assert device.read(FAULT) & 15 == 0
     settings += [Setting(int(played.commands["result"][at]), now, weights) for at, now, weights in changes]
     assert len({setting.seq for setting in settings}) > 8
@@ -220,7 +221,7 @@ def test_a_commit_waits_for_the_windows_that_are_closed() -> None:
         parts.append(device.run(words[begin:end], [taken, writes[-1], SETTLED]))
         settings.append(Setting(device.read(COMMIT), registers, network))
         assert settings[-1].seq == end
-    parts.append(device.run(words[end:], quiet_clocks=100_000))
+    parts.append(device.run(words[end:], quiet_clocks=QUIET))
     decided, verdicts = golden(CONFIG, traffic, settings)
     assert np.concatenate([part.verdicts for part in parts]).tolist() == verdicts.tolist()
     assert np.array_equal(np.concatenate([part.records for part in parts]), decided.records)
@@ -245,17 +246,17 @@ def test_soft_reset_turns_the_classifier_off_and_keeps_weights_and_registers() -
     traffic = traffic_of(5)
     decided, verdicts = golden(CONFIG, traffic, [setting])
     for at in (20_000, 20_777):
-        cut = device.run(words_of(traffic), [write(CONTROL, 1 << 9 | 1, after=at)], quiet_clocks=100_000).verdicts
+        cut = device.run(words_of(traffic), [write(CONTROL, 1 << 9 | 1, after=at)], quiet_clocks=QUIET).verdicts
         assert 0 < len(cut) < len(verdicts)
         assert np.array_equal(cut, verdicts[: len(cut)])
         device.write(CONTROL, 1 << 9)
         banks = [slot_address(slot) for slot in range(5)] + [bank_address(bank) for bank in ("motion", "tracks")]
         commits = [*(write(address, 1) for address in banks), SETTLED, write(CONTROL, 1)]
         device.run(commands=commits)
-        assert len(device.run(words_of(traffic[:25_000]), quiet_clocks=100_000).verdicts) == 0
+        assert len(device.run(words_of(traffic[:25_000]), quiet_clocks=QUIET).verdicts) == 0
         device.write(CONTROL, 1 << 9)
         device.run(commands=[*commits[:-2], write(COMMIT, 1), *commits[-2:]])
-    played = device.run(words_of(traffic), quiet_clocks=100_000)
+    played = device.run(words_of(traffic), quiet_clocks=QUIET)
     assert_same(played, decided, verdicts)
 
 
@@ -282,7 +283,7 @@ def test_without_room_a_verdict_is_lost_and_a_bit_says_so() -> None:
     assert len(first.records) == len(first.verdicts) == 0
     assert Registers(device).verdicts.lost == 1
     device.pace = Pace()
-    rest = device.run(words_of(traffic)[12_000:], quiet_clocks=100_000)
+    rest = device.run(words_of(traffic)[12_000:], quiet_clocks=QUIET)
     got = np.concatenate([first.verdicts, rest.verdicts])
     kept = np.isin(verdicts["seq"], got["seq"])
     assert np.array_equal(verdicts[kept], got)
@@ -412,7 +413,7 @@ def test_a_weights_file_is_loaded_over_the_bus() -> None:
         load(registers, weights)
     traffic = traffic_of(6)
     assert_same(
-        device.run(words_of(traffic), quiet_clocks=100_000),
+        device.run(words_of(traffic), quiet_clocks=QUIET),
         *golden(CONFIG, traffic, [Setting(0, recognition, weights.network)]),
     )
     assert registers.classifier.enable == 1

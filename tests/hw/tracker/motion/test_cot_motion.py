@@ -188,20 +188,20 @@ def test_steps_of_many_slots_may_take_more_than_a_million_clocks_in_a_silence() 
 
 def test_clocks() -> None:
     """An event a clock, of one owner or of none; the step of a free slot takes six or seven, and a token eight."""
-    shape = replace(SHAPE, n_slots=2, time_w=48)
+    shape = replace(SHAPE, n_slots=4, time_w=48)
     config = MotionConfig(shape, replace(QUICK, step_log2=20, nev_low=1_023, nev_high=1_023, seed_px=5))
     n = 1_000
     zero = np.zeros(n, np.int64)
     same = TickedEvents(zero, np.full(n, 60, np.uint16), np.full(n, 30, np.uint16), np.zeros(n, np.uint8))
     accepted = bare_device(config).stream_timed(same)[1].accepted
     assert accepted[-1] - accepted[200] == n - 1 - 200
-    off = replace(config, modes=(Mode.OFF,) * 2)
+    off = replace(config, modes=(Mode.OFF,) * 4)
     accepted = bare_device(off).stream_timed(same)[1].accepted
     assert accepted[-1] - accepted[0] == n - 1
     silent = TickedEvents(np.array([0, 100 << 20]), same.x[:2], same.y[:2], same.p[:2])
     device = bare_device(off)
     device.stream(silent)
-    assert device.cycle < (8 + 2 * 7) * 101 + 60 + 1_030  # memories are cleared; a token holds 2^20 - 1 ticks: 101 of them
+    assert device.cycle < (8 + 4 * 7) * 101 + 60 + 1_030  # memories are cleared; a token holds 2^20 - 1 ticks: 101 of them
 
 
 def test_clocks_between_corrections() -> None:
