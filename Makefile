@@ -66,9 +66,9 @@ coverage: $(VENV)/.installed-test,coverage ## Count lines, branches and bits of 
 	  --cov --cov-report=term --cov-report=html:build/coverage/python $(ARGS)
 	@EVCOT_COVERAGE=$(abspath build/coverage) PYTHONPATH=tests $(BIN)/python -m support.rtl_coverage
 
-exhaustive: $(VENV)/.installed-test,fpga,docs ## Run what `make test` samples or leaves out: damage to files, a netlist, a board (an hour)
+exhaustive: $(VENV)/.installed-test,fpga,docs ## Run what `make test` samples or leaves out: damage to files, netlists, a board, a cluster (an hour)
 	@EVCOT_EXHAUSTIVE=1 $(BIN)/pytest tests/sw/recordings/formats tests/hw/test_gates.py tests/cosim/fpga/test_board.py \
-	  tests/test_site.py tests/hw/lines tests/hw/recognition $(ARGS)
+	  tests/test_site.py tests/hw/lines tests/hw/recognition tests/cosim/sweep/test_cluster.py $(ARGS)
 
 fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of the RTL [ARGS="cot_array --n 8 --seeds 5"]
 	@$(BIN)/python -m evcot_cosim.fpga $(ARGS)

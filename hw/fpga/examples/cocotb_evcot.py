@@ -27,8 +27,8 @@ import evcot_cosim
 
 
 def vectors() -> evcot_cosim.Vectors:
-    """60 ms of crossing discs on a small sensor, and what the default hardware makes of them."""
-    recording = evcot.simulate("discs", seed=3, duration_us=60_000, width=128, height=128).recording
+    """25 ms of crossing discs on a small sensor, and what the default hardware makes of them."""
+    recording = evcot.simulate("discs", seed=3, duration_us=25_000, width=128, height=128).recording
     return evcot_cosim.Vectors.of(recording, evcot.run_config(recording.width, recording.height))
 
 

@@ -359,7 +359,8 @@ def rewrite(s: Table, regs: Table, lim: Table, glob: Table, i: int, values: Tabl
         s[DEADLINE, i] += values[limit] - regs[limit, i]
         glob[NEXT_DEADLINE] = min(glob[NEXT_DEADLINE], s[DEADLINE, i])
     mode = values[MODE] if restart else regs[MODE, i]
-    regs[:, i] = values
+    for register in range(len(values)):
+        regs[register, i] = values[register]
     regs[MODE, i] = mode
     if lim[IS_CHAIN] and s[LO_X, i] <= s[HI_X, i]:
         _set_window(s, regs, lim, i)

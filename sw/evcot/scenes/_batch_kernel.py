@@ -50,7 +50,9 @@ def batch_events(shapes, times_us, background, pixels, maps, head, own, own_ends
     ways, spans = np.empty((2, 4, 2)), np.empty((4, len(background)))
     runs = runs[: _find_runs(shapes, edges, areas, ways, spans, runs, reaches)]
     lights = np.empty((n, times))
-    lights[:] = shapes[:, :, INTENSITY].T
+    for i in range(n):
+        for k in range(times):
+            lights[i, k] = shapes[k, i, INTENSITY]
     _estimate(runs, reaches, shapes, lights, edges, areas, background, dark, bright)
     link = np.empty(len(own), np.int64)
     most = len(own) + _count(runs) + 1

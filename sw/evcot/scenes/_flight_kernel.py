@@ -50,7 +50,9 @@ def insects_at(times_s, still, wave, contrast, tip_x, wave_px, flight):  # type:
     insects = wave.shape[1]
     blades = insects - len(tip_x)
     for k in range(len(shapes)):
-        shapes[k] = still
+        for i in range(len(still)):
+            for column in range(still.shape[1]):
+                shapes[k, i, column] = still[i, column]
         for i in range(insects):
             height = np.sin(wave[0, i] * times_s[k] + wave[1, i])
             if i < blades:

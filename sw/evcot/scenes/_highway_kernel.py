@@ -68,18 +68,15 @@ def project(now_m, size_m, corners_m, focal, vanishing, camera_m, road_m, sensor
     Returns:
         (m,) the vehicles; (m, faces, 4) x and y of the corners; (m, 6) x, y, width, height, vx, vy of the boxes.
     """
-    n, faces = corners_m.shape[:2]
-    order = np.argsort(-now_m[:, 1], kind="mergesort")
-    seen = np.empty(n, np.int64)
-    x, y = np.empty((n, faces, 4)), np.empty((n, faces, 4))
-    boxes = np.empty((n, 6))
+    faces = corners_m.shape[1]
+    order, near = _from_far_to_near(now_m, size_m, camera_m, road_m)
+    seen = np.empty(near, np.int64)
+    x, y = np.empty((near, faces, 4)), np.empty((near, faces, 4))
+    boxes = np.empty((near, 6))
     low, high, box_low, box_high = np.empty(2), np.empty(2), np.empty(2), np.empty(2)
     speed_low, speed_high, m = np.empty(2), np.empty(2), 0
-    for vehicle in order:
+    for vehicle in order[:near]:
         across_m, along_m, across_m_s, along_m_s = now_m[vehicle]
-        near_m = road_m[0] * (1 - size_m[vehicle, 0] / camera_m) - size_m[vehicle, 1]
-        if not max(near_m, _LEAST_M) < along_m < road_m[1]:
-            continue
         for axis in range(2):
             low[axis] = box_low[axis] = np.inf
             high[axis] = box_high[axis] = -np.inf
@@ -99,13 +96,30 @@ def project(now_m, size_m, corners_m, focal, vanishing, camera_m, road_m, sensor
                         box_low[axis], speed_low[axis] = place, speeds[axis]
                     if face >= first_face and place > box_high[axis]:
                         box_high[axis], speed_high[axis] = place, speeds[axis]
-        if high.min() > -MARGIN_PX and low[0] < sensor[0] + MARGIN_PX and low[1] < sensor[1] + MARGIN_PX:
+        if min(high[0], high[1]) > -MARGIN_PX and low[0] < sensor[0] + MARGIN_PX and low[1] < sensor[1] + MARGIN_PX:
             seen[m] = vehicle
             for axis in range(2):
                 boxes[m, axis], boxes[m, 2 + axis] = (box_low[axis] + box_high[axis]) / 2, box_high[axis] - box_low[axis]
                 boxes[m, 4 + axis] = (speed_low[axis] + speed_high[axis]) / 2
             m += 1
     return seen[:m], x[:m], y[:m], boxes[:m]
+
+
+@njit(cache=True, nogil=True)
+def _from_far_to_near(now_m, size_m, camera_m, road_m):  # type: ignore[no-untyped-def]
+    """The vehicles on the visible part of the road, the farthest first, in the first places of an array; and how many."""
+    order, near = np.empty(len(now_m), np.int64), 0
+    for vehicle in range(len(now_m)):
+        along_m = now_m[vehicle, 1]
+        near_m = road_m[0] * (1 - size_m[vehicle, 0] / camera_m) - size_m[vehicle, 1]
+        if max(near_m, _LEAST_M) < along_m < road_m[1]:
+            at = near
+            while at > 0 and now_m[order[at - 1], 1] < along_m:
+                order[at] = order[at - 1]
+                at -= 1
+            order[at] = vehicle
+            near += 1
+    return order, near
 
 
 @njit(cache=True, nogil=True)
@@ -130,11 +144,14 @@ def project_each(  # type: ignore[no-untyped-def]
         past = n + len(its)
         while past > len(seen):
             seen, boxes, shapes = np.concatenate((seen, seen)), np.concatenate((boxes, boxes)), np.concatenate((shapes, shapes))
-        seen[n:past], boxes[n:past] = its, its_boxes
         for k in range(len(its)):
+            seen[n + k] = its[k]
+            for column in range(6):
+                boxes[n + k, column] = its_boxes[k, column]
             for face in range(faces):
                 shape = shapes[n + k, face]
                 shape[KIND], shape[OBJECT], shape[INTENSITY] = QUADRANGLE, its[k], intensity[its[k], face]
-                shape[X : X + 4], shape[Y : Y + 4] = x[k, face], y[k, face]
+                for corner in range(4):
+                    shape[X + corner], shape[Y + corner] = x[k, face, corner], y[k, face, corner]
         ends[i] = n = past
     return ends, seen[:n], shapes[:n].reshape(-1, COLUMNS), boxes[:n]

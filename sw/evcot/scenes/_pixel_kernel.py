@@ -168,7 +168,8 @@ def _move(keys, n, x, y, now, state, linear, pixels, link, own, from_us, span_us
 def longer(keys, n, least):  # type: ignore[no-untyped-def]
     """The first `n` keys, with room for at least so many."""
     more = np.empty(2 * least, np.int64)
-    more[:n] = keys[:n]
+    for i in range(n):  # a copy of slices would take a second more to compile: Numba then formats what it raises
+        more[i] = keys[i]
     return more
 
 
@@ -180,9 +181,7 @@ def _restless(rectangles, frame, last, low, high):  # type: ignore[no-untyped-de
         width = rectangles[r, 2] - rectangles[r, 0]
         for y in range(rectangles[r, 1], rectangles[r, 3]):
             if n + width > len(found):
-                longer = np.empty(2 * (n + width), np.int64)
-                longer[:n] = found[:n]
-                found = longer
+                found = longer(found, n, n + width)
             n = _scan(frame, last, low, high, y, rectangles[r, 0], rectangles[r, 2], found, n)
     return found[:n]
 

@@ -49,8 +49,8 @@ def pixels_within(left, top, right, bottom, width, height):  # type: ignore[no-u
 def changes(before, after, width, height):  # type: ignore[no-untyped-def]
     """(n, 4) pixel rectangles (left, top, right, bottom, half open) where shapes may have changed the picture, of every object
     that was or is on the sensor."""
-    least = min(before[:, OBJECT].min() if len(before) else 0.0, after[:, OBJECT].min() if len(after) else 0.0)
-    most = max(before[:, OBJECT].max() if len(before) else 0.0, after[:, OBJECT].max() if len(after) else 0.0)
+    (least, most), (low, high) = _numbers(before), _numbers(after)
+    least, most = min(least, low), max(most, high)
     objects = int(most - least) + 1
     boxes = np.empty((2, objects, 4))
     first, count = np.zeros((2, objects), np.int64), np.zeros((2, objects), np.int64)  # its first shape, and how many
@@ -59,6 +59,17 @@ def changes(before, after, width, height):  # type: ignore[no-untyped-def]
     rectangles = np.empty((_most_rectangles(boxes, height), 4), np.int64)
     work = np.empty((2, 4, 3)), np.empty((2, 4, height))
     return rectangles[: _changes(before, after, boxes, first, count, rectangles, work, width, height)]
+
+
+@step
+def _numbers(shapes):  # type: ignore[no-untyped-def]
+    """The lowest and the highest number of an object; zeros without shapes."""
+    if not len(shapes):
+        return 0.0, 0.0
+    low = high = shapes[0, OBJECT]
+    for i in range(1, len(shapes)):
+        low, high = min(low, shapes[i, OBJECT]), max(high, shapes[i, OBJECT])
+    return low, high
 
 
 @step

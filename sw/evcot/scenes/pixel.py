@@ -58,11 +58,15 @@ class Spontaneous:
 
     def between(self, times_us: NDArray[np.int64]) -> tuple[NDArray[np.void], NDArray[np.int64]]:
         """The events in (a, b] of each interval from a time to the next, of dtype `OWN`, by time, relative to a; and the end of
-        each interval in them. Each call must continue where the previous one ended."""
-        own: tuple[NDArray[np.void], NDArray[np.int64]] = _with_beats(
+        each interval in them. Of equal times, events of hot pixels come last. Each call must continue where the previous one
+        ended."""
+        own, ends = _with_beats(
             self._background(int(times_us[-1])), self.hot, self._hot_p, self._phase_us, self._period_us, times_us
         )
-        return own
+        if len(self.hot):
+            own = own[np.argsort(own["t_us"], kind="stable")]
+        own["t_us"] -= np.repeat(times_us[:-1], np.diff(ends, prepend=0))
+        return own, ends
 
     def _background(self, to_us: int) -> NDArray[np.void]:
         """Background events up to `to_us`, drawn ahead in chunks; later ones are kept."""
@@ -88,8 +92,7 @@ class Spontaneous:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _with_beats(background, hot, polarity, phase_us, period_us, times_us):  # type: ignore[no-untyped-def]
-    """Background events together with those of hot pixels, as `between` returns them; of equal times, those of hot pixels come
-    last."""
+    """Background events and then those of hot pixels, for each interval, and the end of each interval in them."""
     beats = np.empty((len(hot), len(times_us)), np.int64)  # of each hot pixel, the first after each time
     for i in range(len(hot)):
         for k in range(len(times_us)):
@@ -98,7 +101,7 @@ def _with_beats(background, hot, polarity, phase_us, period_us, times_us):  # ty
     ends = np.empty(len(times_us) - 1, np.int64)
     n, taken = 0, 0
     for k in range(len(ends)):
-        begin, from_us, to_us = n, times_us[k], times_us[k + 1]
+        from_us, to_us = times_us[k], times_us[k + 1]
         while taken < len(background) and background[taken].t_us <= to_us:
             own[n] = background[taken]
             n, taken = n + 1, taken + 1
@@ -107,10 +110,6 @@ def _with_beats(background, hot, polarity, phase_us, period_us, times_us):  # ty
                 own[n].t_us = min(max(phase_us[i] + beat * period_us, from_us), to_us)
                 own[n].x, own[n].y, own[n].p = hot[i, 0], hot[i, 1], polarity[i]
                 n += 1
-        if len(hot):
-            own[begin:n] = own[begin:n][np.argsort(own[begin:n]["t_us"], kind="mergesort")]
-        for i in range(begin, n):
-            own[i].t_us -= from_us
         ends[k] = n
     return own, ends
 

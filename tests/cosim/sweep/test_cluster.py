@@ -24,6 +24,7 @@ from evcot_cosim.sweep.run import run_sweep
 from evcot_cosim.sweep.spec import Spec, spec_from
 from evcot_cosim.sweep.store import read_rows
 from support.sweeping import Chore, chore, recorded
+from support.testing import exhaustive
 
 pytest.importorskip("pyarrow")
 pytest.importorskip("distributed")
@@ -128,6 +129,7 @@ def test_no_scheduler_and_no_workers_are_said(port: int, dask: Start, tmp_path: 
         cluster.check([])
 
 
+@exhaustive
 def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(port: int, dask: Start, tmp_path: Path) -> None:
     address = two_workers(port, dask)
     tasks = [Chore(i, {3: "die", 5: "die once"}.get(i, "return"), str(tmp_path)) for i in range(10)]
@@ -157,6 +159,7 @@ def test_a_result_that_cannot_be_fetched_is_computed_again(
     assert sorted(numbers) == list(range(20)), "each once"
 
 
+@exhaustive
 def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp_path: Path) -> None:
     scheduler = started(port, dask)
     address = f"tcp://127.0.0.1:{port}"

@@ -52,7 +52,7 @@ def test_random_traffic_is_exact_under_stalls(width: int, height: int, tick_w: i
         device.stall(Stalls.random(rng) if run % 2 else Stalls())
         pace = 2.0 ** rng.integers(-3, 3) * 2**noise_log2 / (width * height / 50 + 20)
         traffic = filter_traffic(
-            rng, 6_000, width, height, ticks_per_event=min(pace, 300), longest_gap=1 << 16, beyond=1, skips=0.02
+            rng, 3_000, width, height, ticks_per_event=min(pace, 300), longest_gap=1 << 16, beyond=1, skips=0.02
         )
 
         def wanted(batch, model=model):  # type: ignore[no-untyped-def]

@@ -347,10 +347,21 @@ def _steps(
             while glob[NEXT_STEP] <= now:
                 _go_on(r, lim, glob, s.shape[0])
             break
-        done = glob[SEQ] - before
-        glob[SEQ] += np.searchsorted(ticks[done:e], glob[NEXT_STEP])
+        glob[SEQ] = before + _first_from(ticks, glob[SEQ] - before, e, glob[NEXT_STEP])
         n = _step(s, r, lim, glob, modes, places, out, n)
     return n
+
+
+@step
+def _first_from(values: Table, begin: int, end: int, least: int) -> int:
+    """The index of the first of the sorted values from `begin` to `end` that is at least `least`; `end` if none is."""
+    while begin < end:
+        middle = (begin + end) >> 1
+        if values[middle] < least:
+            begin = middle + 1
+        else:
+            end = middle
+    return begin
 
 
 @step
@@ -405,7 +416,7 @@ def feed(
     """
     n = 0
     before = glob[SEQ] - done
-    for k in range(np.searchsorted(kept, done), len(kept) + 1):
+    for k in range(_first_from(kept, 0, len(kept), done), len(kept) + 1):
         e = kept[k] if k < len(kept) else len(ticks) - 1  # in the end time has come to the last event, kept or not
         now = ticks[e]
         if glob[NEXT_STEP] <= now:
