@@ -80,7 +80,7 @@ def test_random_events(n: int, slot_w: int) -> None:
     match, rng = Match(n, slot_w), np.random.default_rng(n)
     sim, io = match.sim, match.io
     seen = set()
-    for round_ in range(800 if n < 5 else 500):
+    for round_ in range(2_000 if n < 5 else 1_200):
         slot = round_ if round_ < n else int(rng.integers(n))
         x0, y0, ring = int(rng.integers(-6, 36)), int(rng.integers(-6, 20)), int(rng.integers(4))
         x1, y1 = x0 + int(rng.integers(30)), y0 + int(rng.integers(16))

@@ -256,7 +256,7 @@ def test_random_steps(stalls: bool) -> None:
     control.reset()
     control.stalls = stalls
     seen: dict[str, int] = {}
-    for _ in range(200):
+    for _ in range(350):
         step, alone = random_step(steps), steps.random() < 0.2
         expected = Step(**{**vars(step), "states": list(step.states)})
         taken = [i for i in range(N) if step.states[i] != "free"]

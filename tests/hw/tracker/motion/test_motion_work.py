@@ -212,7 +212,7 @@ def test_jobs_of_random_scenes(name: str) -> None:
     slow, work = Jobs(registers, N, MOST, (1 << ID_W) - 1), Work(registers, stalls=name != "support")
     rng, done, now = np.random.default_rng(2), 0, 0
     void = ended = 0
-    for time, x, y in groups(rng, 1_400):
+    for time, x, y in groups(rng, 2_400):
         tick = time // 1_500 * 1_500 if name == "bursts" else time
         if rng.random() < 0.003:
             slow.end(int(rng.integers(N)), now)
