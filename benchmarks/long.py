@@ -20,8 +20,8 @@ from evcot.trackers.presets import run_config
 from evcot.unfinished import unfinished
 from evcot_cosim.cli import main
 from evcot_cosim.devices.device import build_device
+from evcot_cosim.lockstep.cosim import run_long
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks
-from evcot_cosim.lockstep.long import run_long
 from evcot_cosim.lockstep.run_file import Source
 from measure import Clock, Goal, Result, Timing, take_turns, timed
 from memory import child_peak_mb, own_peak_mb

@@ -1,21 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Co-simulation of a recording: hardware, golden model and software tracker, checked and compared."""
+"""Co-simulation of a recording: hardware, golden model and software tracker, checked and compared.
+
+Every run is one loop over chunks of events: hardware and model are compared, then classifier and software tracker are fed.
+`run_cosim` holds recording and logs in memory. `run_long` reads a file of any length; its logs grow in a folder, with
+checkpoints, from which a killed run continues.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evcot.compiling import compiled_aside
+from evcot.digest import EventsDigest
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording, check_pixels
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
-from evcot.hardware.config import CotConfig, HardwareConfig, MotionConfig
+from evcot.hardware.config import HardwareConfig, MotionConfig
 from evcot.hardware.contract import RECORD
 from evcot.hardware.golden import golden_model, to_track_records
 from evcot.recognition.tracker import TrackClassifier
@@ -25,28 +33,31 @@ from evcot.ticks import TickCounter, TickedEvents
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.compare import Agreement, compare
-from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.record import NO_NAMES, no_verdicts
+from evcot.tracks.spool import LogSpool
+from evcot.tracks.spooling import rest_of
 from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
+from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished
 
 from ..devices.base import HardwareError, Stalls, check_silence
 from ..devices.device import Device, build_device
+from ..memory import keep_little
 from ..rtl.build import BuiltModel
-from .lockstep import Lockstep, chunks
+from .lockstep import CHUNK, Lockstep, Step, chunks, cut
 from .mismatch import Mismatch
 from .run_file import Source
 
 __all__ = [
     "NEAR_PX",
     "CosimRun",
+    "LongRun",
     "Measured",
     "check_addresses",
-    "check_addresses_of",
-    "compile_kernels",
     "near_px",
     "rerun",
     "run_cosim",
-    "software_of",
+    "run_long",
     "stalls_from",
 ]
 
@@ -100,18 +111,40 @@ class CosimRun(Measured):
         return f"<CosimRun {self.recording.name}: {module}, {events:,} events, {tracks} hardware tracks, exact>"
 
 
-def check_addresses(recording: Recording, config: HardwareConfig) -> None:
-    """Check that addresses in hardware, and memories of trackers and filters, reach every pixel of the recording's sensor.
+@dataclass(frozen=True, kw_only=True)
+class LongRun(Measured):
+    """Results of a run of any length.
+
+    Attributes:
+        hardware, software: the logs, in files.
+        begin_us, end_us: times of the first and the last event.
+        digest: of all events.
+    """
+
+    name: str
+    sensor: Sensor
+    hardware: LogSpool
+    software: LogSpool
+    begin_us: int
+    end_us: int
+    digest: str
+
+    @property
+    def events(self) -> int:
+        """Number of events."""
+        return self.hardware.tally.events
+
+
+def check_addresses(sensor: Sensor, config: HardwareConfig, name: str) -> None:
+    """Check that addresses in hardware, and memories of trackers and filters, reach every pixel of a sensor (width, height).
+
+    Args:
+        name: of what has this sensor, for the message.
 
     Raises:
         ConfigError: too few bits of an address.
         RecordingError: too many pixels.
     """
-    check_addresses_of((recording.width, recording.height), config, recording.name)
-
-
-def check_addresses_of(sensor: Sensor, config: HardwareConfig, name: str) -> None:
-    """As `check_addresses`, for a sensor (width, height); `name` is what it belongs to."""
     check_pixels(*sensor)
     for field, bits, size in (("x_w", config.shape.x_w, sensor[0]), ("y_w", config.shape.y_w, sensor[1])):
         if size > 1 << bits:
@@ -147,58 +180,104 @@ def run_cosim(
     events = recording.events
     if not len(events):
         raise RecordingError(f"{recording.name}: holds no events")
-    check_addresses(recording, config.hardware)
+    sensor = recording.width, recording.height
+    check_addresses(sensor, config.hardware, recording.name)
     try:
         check_silence(events.t_us, config.hardware)
     except RecordingError as error:
         raise RecordingError(f"{recording.name}: {error}") from error
-    device_config = config.device_config(recording.width, recording.height)
-    stalls = stalls_from(stall_seed)
-    t0_us = int(events.t_us[0])
-    sensor = recording.width, recording.height
-    hardware, model = _LogParts(device_config, t0_us), _LogParts(device_config, t0_us)
-    classifier = None if weights is None else TrackClassifier(device_config, weights)
+    device_config = config.device_config(*sensor)
     with ThreadPoolExecutor(1, "build") as builds:
         built = builds.submit(build_device, device_config, on_miss=building)
-        compile_kernels(events[:1], sensor, config)
+        _compile_kernels(sensor, config)
         build = built.result()
-    verdicts = [no_verdicts()]
-    with Lockstep(device_config, stalls=stalls, seed=stall_seed, model=build) as lockstep:
+    logs = {side: LogSpool(None, side) for side in ("hardware", "model", "software")}
+    with _Engines(sensor, config, build, stall_seed, weights, logs) as engines:
         for chunk in chunks(events):
-            first = lockstep.events
-            step = lockstep.feed(chunk)
-            assert step.model is not None
-            records = hardware.add(step.hardware.records, step.hardware.owner, chunk.t_us, first)
-            model.add(step.model.records, step.model.owner, chunk.t_us, first)
-            if classifier is not None:
-                verdicts.append(classifier.feed(chunk, first, step.hardware, step.visible, records))
-            if progress is not None:
-                progress(lockstep.events, int(chunk.t_us[-1]) - t0_us, lockstep.events / lockstep.wall_s)
-        cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
-
-    names = NO_NAMES if weights is None else weights.names
-    hardware_log, model_log = (
-        replace(parts.log(), verdicts=np.concatenate(verdicts), class_names=names) for parts in (hardware, model)
-    )
-    started = time.perf_counter()
-    software = log_of(config.software, software_of(sensor, config), [events])
-    software_s = time.perf_counter() - started
-
-    agreement = compare(hardware_log, software, radius_px=near_px(config), span_us=(t0_us, int(events.t_us[-1])))
+            engines.feed(chunk, progress)
+        engines.finish()
+    hardware, model, software = (_held(logs[side]) for side in logs)
     return CosimRun(
         recording=recording,
-        config=config,
-        hardware=hardware_log,
-        model=model_log,
+        hardware=hardware,
+        model=model,
         software=software,
-        agreement=agreement,
-        cycles=cycles,
-        latency=lockstep.latency,
-        wall_s=wall_s,
-        software_s=software_s,
-        build=build,
-        seed=stall_seed,
+        agreement=compare(hardware, software, radius_px=near_px(config), span_us=(engines.begin_us, engines.end_us)),
         source=source,
+        **engines.measured(),
+    )
+
+
+def run_long(
+    source: Source,
+    config: RunConfig,
+    work: Unfinished,
+    *,
+    stall_seed: int | None = None,
+    every: int = CHECKPOINT_EVENTS,
+    weights: Weights | None = None,
+    building: Callable[[], None] | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
+    resumed: Callable[[int], None] | None = None,
+) -> LongRun:
+    """Run hardware, model and software tracker over a file of any length, in bounded memory.
+
+    The model's log is not kept: every chunk of it was compared with the hardware's.
+
+    Args:
+        work: where the logs grow; it continues from its state.
+        every: events from one checkpoint to the next, rounded up to whole chunks, and one after the last event; 0 makes none.
+        resumed: called with the number of events that an earlier process has driven.
+        stall_seed, weights, building, progress: as of `run_cosim`.
+
+    Raises:
+        MismatchError: hardware and model differ.
+        ConfigError, RecordingError, ToolchainError.
+    """
+    keep_little()
+    with source.opened() as file:
+        sensor, name = file.sensor, file.name
+        check_addresses(sensor, config.hardware, name)
+        device_config = config.device_config(*sensor)
+        build = build_device(device_config, savable=True, on_miss=building)
+        state: dict[str, Any] = work.state or {}
+        logs = {side: LogSpool(work.folder, side, state.get(side)) for side in ("hardware", "software")}
+        for log in logs.values():
+            work.held.callback(log.close)
+        made_of, at = EventsDigest(), logs["hardware"].tally.events
+        compiled_aside(_compile_kernels, sensor, config)
+        with _Engines(sensor, config, build, stall_seed, weights, logs, made_of) as engines:
+
+            def save() -> None:
+                own = engines.state()
+                work.save({side: log.state() for side, log in logs.items()} | {"engines": own, "digest": made_of.hex()})
+
+            if at:
+                engines.restore(state["engines"])
+                if resumed is not None:
+                    resumed(at)
+            for chunk in cut(rest_of(source.blocks(file), made_of, at, state.get("digest", "")), CHUNK):
+                try:
+                    events = engines.feed(chunk, progress)
+                except RecordingError as error:
+                    raise RecordingError(f"{name}: {error}") from error
+                if every and events - at >= every and not events % CHUNK:
+                    at = events
+                    save()
+            if every and engines.lockstep.events > at:
+                save()  # what follows, logs and pages, takes minutes and may find the disk full
+            engines.finish()
+    for log in logs.values():
+        log.recording = made_of.hex()
+    return LongRun(
+        name=name,
+        sensor=sensor,
+        hardware=logs["hardware"],
+        software=logs["software"],
+        begin_us=engines.begin_us,
+        end_us=engines.end_us,
+        digest=made_of.hex(),
+        **engines.measured(),
     )
 
 
@@ -211,22 +290,23 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
     clock = TickCounter(device_config.tick_us)
     device = Device(device_config, stalls=stalls_from(found.seed))
     golden = golden_model(device_config)
-    hardware, model = _LogParts(device_config, t0_us), _LogParts(device_config, t0_us)
+    hardware, model = LogSpool(None, "hardware"), LogSpool(None, "model")
+    hardware.engine = model.engine = device_config.module
     first = 0
     for chunk in chunks(recording.events):
         ticked = clock.count(chunk)
         expected = golden.feed(ticked)
-        model.add(expected.records, expected.owner, chunk.t_us, first)
+        model.add(to_track_records(expected.records, device_config, chunk.t_us, first, t0_us), expected.owner)
         try:
             decided = device.stream(ticked)
-            hardware.add(decided.records, decided.owner, chunk.t_us, first)
+            records, owner = decided.records, decided.owner
         except HardwareError:
-            hardware.add(np.empty(0, RECORD), np.full(len(chunk), -1, np.int16), chunk.t_us, first)
-            break
+            records, owner = np.empty(0, RECORD), np.full(len(chunk), -1, np.int16)
+        hardware.add(to_track_records(records, device_config, chunk.t_us, first, t0_us), owner)
         first += len(chunk)
         if first > found.event_index:
             break
-    return hardware.log(), model.log()
+    return _held(hardware), _held(model)
 
 
 def stalls_from(seed: int | None) -> Stalls:
@@ -234,13 +314,15 @@ def stalls_from(seed: int | None) -> Stalls:
     return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
 
 
-def compile_kernels(first: Events, sensor: Sensor, config: RunConfig) -> None:
+def _compile_kernels(sensor: Sensor, config: RunConfig) -> None:
     """Make Numba compile model and tracker before anything is timed."""
-    golden_model(config.device_config(*sensor)).feed(TickedEvents.of(first))
-    log_of(config.software, software_of(sensor, config), [first])
+    corner = np.zeros(1, np.uint16)
+    event = Events(np.zeros(1, np.int64), corner, corner, np.zeros(1, np.uint8))
+    golden_model(config.device_config(*sensor)).feed(TickedEvents.of(event))
+    log_of(config.software, _software_of(sensor, config), [event])
 
 
-def software_of(sensor: Sensor, config: RunConfig) -> Tracker:
+def _software_of(sensor: Sensor, config: RunConfig) -> Tracker:
     """The software tracker, with the same filters in front, in the same ticks."""
     tracker = ENGINES[config.software].start(getattr(config, config.software), FilterConfig(), sensor)
     filters = config.in_front_of_software
@@ -259,20 +341,116 @@ def near_px(config: RunConfig) -> float:
     return float(slot.init_radix + slot.radix_th)
 
 
-class _LogParts:
-    """One engine's decisions, collected chunk by chunk."""
+def _held(log: LogSpool) -> TrackLog:
+    return TrackLog(log.engine, log.records[:], log.owner[:], verdicts=log.verdicts, class_names=log.class_names)
 
-    def __init__(self, config: CotConfig | MotionConfig, t0_us: int) -> None:
-        self._config = config
-        self._t0_us = t0_us
-        self._records: list[NDArray[np.void]] = []
-        self._owners: list[NDArray[np.int16]] = []
 
-    def add(self, raw: NDArray[np.void], owner: NDArray[np.int16], t_us: NDArray[np.int64], first_seq: int) -> NDArray[np.void]:
-        """Returns the records in the units of a log."""
-        self._records.append(to_track_records(raw, self._config, t_us, first_seq, self._t0_us))
-        self._owners.append(owner)
-        return self._records[-1]
+_STATE = ("software", "classifier", "verdicts", "software_s", "begin_us", "end_us")
 
-    def log(self) -> TrackLog:
-        return TrackLog(self._config.module, np.concatenate([np.empty(0, TRACK), *self._records]), np.concatenate(self._owners))
+
+class _Engines:
+    """All engines of a run, as a context: hardware and model in lock-step, then classifier and software tracker.
+
+    Args:
+        logs: of hardware and software, and of the model where it is kept.
+        made_of: of a recording that is read while it is driven; every event is added to it. Then another thread does all that
+            follows the lock-step of a chunk while the next one is read and driven. Without it everything is done in turn, so
+            that the time of each engine is its own.
+
+    Attributes:
+        verdicts: of the classifier.
+        software_s: duration of the software tracker so far.
+        begin_us, end_us: times of the first and of the newest event.
+    """
+
+    def __init__(
+        self, sensor: Sensor, config: RunConfig, build: BuiltModel, seed: int | None, weights: Weights | None,
+        logs: Mapping[str, LogSpool], made_of: EventsDigest | None = None,
+    ) -> None:  # fmt: skip
+        device_config = config.device_config(*sensor)
+        self.lockstep = Lockstep(device_config, stalls=stalls_from(seed), seed=seed, model=build)
+        self.software = _software_of(sensor, config)
+        self.classifier = None if weights is None else TrackClassifier(device_config, weights)
+        self.verdicts = [no_verdicts()]
+        self.software_s = 0.0
+        self.begin_us = self.end_us = 0
+        self._config, self._build, self._logs, self._made_of = config, build, logs, made_of
+        self._class_names = NO_NAMES if weights is None else weights.names
+        self._thread = None if made_of is None else ThreadPoolExecutor(1)
+        self._under_way: Future[None] | None = None
+
+    def __enter__(self) -> _Engines:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._thread is not None:
+            self._thread.shutdown()
+        self.lockstep.close()
+
+    def feed(self, chunk: Events, progress: Callable[[int, int, float], None] | None = None) -> int:
+        """Drive a chunk, and have it followed by the other engines; returns the number of events so far.
+
+        Raises:
+            MismatchError, RecordingError: as `Lockstep.feed`.
+        """
+        first = self.lockstep.events
+        if not first:
+            self.begin_us = int(chunk.t_us[0])
+        step = self.lockstep.feed(chunk)
+        self.end_us = int(chunk.t_us[-1])
+        if self._thread is None:
+            self._follow(chunk, step, first)
+        else:
+            self._settle()
+            self._under_way = self._thread.submit(self._follow, chunk, step, first)
+        events = self.lockstep.events
+        if progress is not None:
+            progress(events, self.end_us - self.begin_us, events / self.lockstep.wall_s)
+        return events
+
+    def finish(self) -> None:
+        """End the software tracker, and complete the logs."""
+        self._settle()
+        self._logs["software"].add(self.software.finish(), np.empty(0, np.int16))
+        for side, log in self._logs.items():
+            log.engine = self._config.software if side == "software" else self.lockstep.config.module
+            if side != "software":
+                log.verdicts, log.class_names = np.concatenate(self.verdicts), self._class_names
+
+    def state(self) -> dict[str, Any]:
+        """Everything that the events so far leave behind, without the logs."""
+        self._settle()
+        return {name: getattr(self, name) for name in _STATE} | {"lockstep": self.lockstep.state()}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from the state of engines with the same arguments."""
+        for name in _STATE:
+            setattr(self, name, state[name])
+        self.lockstep.restore(state["lockstep"])
+
+    def measured(self) -> dict[str, Any]:
+        """The fields of `Measured`."""
+        lockstep = self.lockstep
+        return {
+            "config": self._config, "cycles": lockstep.device.cycle, "latency": lockstep.latency, "wall_s": lockstep.wall_s,
+            "software_s": self.software_s, "build": self._build, "seed": lockstep.seed,
+        }  # fmt: skip
+
+    def _settle(self) -> None:
+        """Wait until nothing is under way; raises what that has raised."""
+        if self._under_way is not None:
+            self._under_way.result()
+            self._under_way = None
+
+    def _follow(self, chunk: Events, step: Step, first: int) -> None:
+        if self._made_of is not None:
+            self._made_of.add(chunk)
+        for side, decided in (("hardware", step.hardware), ("model", step.model)):
+            if side in self._logs and decided is not None:
+                records = to_track_records(decided.records, self.lockstep.config, chunk.t_us, first, self.begin_us)
+                self._logs[side].add(records, decided.owner)
+                if side == "hardware" and self.classifier is not None:
+                    self.verdicts.append(self.classifier.feed(chunk, first, step.hardware, step.visible, records))
+        started = time.perf_counter()
+        self._logs["software"].add(*self.software.feed(chunk))
+        self.software_s += time.perf_counter() - started

@@ -29,8 +29,7 @@ from evcot.tracks.tally import Tally
 from evcot.tracks.timeline import lifetimes
 
 from ..rtl.toolchain import find_toolchain
-from .cosim import CosimRun, Measured
-from .long import LongRun
+from .cosim import CosimRun, LongRun, Measured
 from .mismatch import Mismatch
 from .run_file import SUMMARY, made_again
 from .truth import Truth
@@ -80,7 +79,7 @@ def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Q
     Args:
         comparison, figures: hardware against software, and the quality of both, of all parts.
     """
-    tallies = {"hardware": run.hardware_tally, "software": run.software_tally}
+    tallies = {"hardware": run.hardware.tally, "software": run.software.tally}
     lengths = {name: life_lengths(own) for name, own in zip(tallies, comparison.lives, strict=True)}
     duration_us, agreement = run.end_us - run.begin_us, comparison.agreement()
     # Every chunk was compared.

@@ -28,8 +28,7 @@ from evcot.tracks.log_parts import in_step, runs_of
 from evcot.tracks.npz import NpzFile
 from evcot.tracks.parquet import LogFile, check_parquet
 
-from ..lockstep.cosim import near_px, stalls_from
-from ..lockstep.long import LongRun
+from ..lockstep.cosim import LongRun, near_px, stalls_from
 from ..lockstep.moments import Moment
 from ..lockstep.run_file import RUN_FILE, RunFile, Source, write_run_file
 from ..lockstep.summary import SUMMARY, summarise_long, write_summary

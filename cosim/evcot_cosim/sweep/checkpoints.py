@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from evcot.errors import OutputError
 from evcot.events import Events
 from evcot.tracks.column import PackedColumn
-from evcot.tracks.log import DROPPED, TRACK, Kind, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.tally import Tally
 from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished, folder_of, unfinished
 
 from ..rtl.build import cache_dir
@@ -45,7 +46,7 @@ class CheckpointedLog:
         self._owners: list[NDArray[np.int16]] = []
         self._records: list[NDArray[np.void]] = []  # since the last checkpoint
         self._stored: PackedColumn | None = None  # those before
-        self._count = dict.fromkeys(("events", "owned", "passed", "filtered"), 0)
+        self._tally = Tally()
         self._at = 0  # events, at the last checkpoint
         self._key, self._whole = key, whole
         self._work: Unfinished | None = None
@@ -58,8 +59,8 @@ class CheckpointedLog:
             self._open()
         state = None if self._work is None else self._work.state
         if state is not None:
-            self.engine, self.spent, self._count = state["engine"], state["spent"], state["count"]
-            self._at = self._count["events"]
+            self.engine, self.spent, self._tally = state["engine"], state["spent"], state["tally"]
+            self._at = self._tally.events
             self._stored = self._column(state["records"])
         return self
 
@@ -79,10 +80,7 @@ class CheckpointedLog:
         """What became of a block."""
         if len(records):
             self._records.append(records)
-        self._count["events"] += len(owner)
-        self._count["owned"] += int(np.count_nonzero(owner >= 0))
-        self._count["passed"] += int(np.count_nonzero(owner == -1))
-        self._count["filtered"] += int(np.count_nonzero(owner == DROPPED))
+        self._tally.add(records, owner)
         if self._whole:
             self._owners.append(owner)
             self.events.append(block)
@@ -93,9 +91,9 @@ class CheckpointedLog:
         Args:
             engine: gives what the engine is after the last block.
         """
-        if self._whole or self._count["events"] - self._at < CHECKPOINT_EVENTS:
+        if self._whole or self._tally.events - self._at < CHECKPOINT_EVENTS:
             return
-        self._at = self._count["events"]
+        self._at = self._tally.events
         if self._work is None:
             self._open()
         if self._work is None:
@@ -107,19 +105,22 @@ class CheckpointedLog:
         self._stored.flush()
         wall_s, cpu_s = time.perf_counter() - self._began[0], time.process_time() - self._began[1]
         spent = {"wall_s": self.spent.get("wall_s", 0.0) + wall_s, "cpu_s": self.spent.get("cpu_s", 0.0) + cpu_s}
-        self._work.save({"engine": engine(), "spent": spent, "count": self._count, "records": len(self._stored)})
+        self._work.save({"engine": engine(), "spent": spent, "tally": self._tally, "records": len(self._stored)})
 
-    def log(self, engine: str, last: NDArray[np.void] | None = None) -> TrackLog:
-        """The whole log, with the last records of a tracker that has finished; its owners are empty unless they were kept."""
+    def log(self, engine: str, last: NDArray[np.void]) -> TrackLog:
+        """The whole log, with the last records, when all events are done; its owners are empty unless they were kept."""
+        self._tally.add(last, np.empty(0, np.int16))
         stored = [] if self._stored is None else [self._stored[:]]
-        records = np.concatenate([np.empty(0, TRACK), *stored, *self._records, *([] if last is None else [last])])
+        records = np.concatenate([np.empty(0, TRACK), *stored, *self._records, last])
         return TrackLog(engine, records, np.concatenate([np.empty(0, np.int16), *self._owners]))
 
-    def counts(self, log: TrackLog) -> dict[str, int]:
+    def counts(self) -> dict[str, int]:
         """Figures of a row: of events, and of the records of the whole log."""
-        kinds = {"tracks": Kind.BORN, "merged": Kind.MERGED, "lost": Kind.LOST}
-        found = {name: int(np.count_nonzero(log.records["kind"] == kind)) for name, kind in kinds.items()}
-        return {**self._count, "records": len(log.records), **found}
+        tally, kinds = self._tally, self._tally.kinds
+        return {
+            "events": tally.events, "owned": tally.owned, "passed": tally.passed, "filtered": tally.filtered,
+            "records": sum(kinds.values()), "tracks": kinds[Kind.BORN], "merged": kinds[Kind.MERGED], "lost": kinds[Kind.LOST],
+        }  # fmt: skip
 
     def _open(self) -> None:
         try:

@@ -23,7 +23,7 @@ from evcot.hardware.golden import to_track_records
 from evcot.hardware.modules import MODULES
 from evcot.metrics import evaluate
 from evcot.trackers.engines import ENGINES
-from evcot.tracks.log import TrackLog
+from evcot.tracks.log import TRACK, TrackLog
 
 from ..devices.device import build_device
 from ..fpga.devices import DEVICES
@@ -176,7 +176,7 @@ def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
                     kept.keep(lambda: tracker)
             log = kept.log(task.engine, tracker.finish())
             measured = hardware_cost(task.engine, settings.hardware.shape.n_slots) if task.engine in MODULES else {}
-        return Tracked(log, kept.counts(log), {**measured, **kept.spent}, kept.events)
+        return Tracked(log, kept.counts(), {**measured, **kept.spent}, kept.events)
 
 
 def _lockstep(
@@ -194,7 +194,7 @@ def _lockstep(
             kept.add(to_track_records(decided.records, config, block.t_us, first, t0_us), decided.owner, block)
             kept.keep(partial(_state, lockstep, t0_us))
         measured = {**_hardware(lockstep), "build_s": 0.0 if built.cached else built.build_s}
-    return kept.log(config.module), measured | hardware_cost(config.module, config.shape.n_slots)
+    return kept.log(config.module, np.empty(0, TRACK)), measured | hardware_cost(config.module, config.shape.n_slots)
 
 
 def _state(lockstep: Lockstep, t0_us: int) -> tuple[dict[str, Any], int]:

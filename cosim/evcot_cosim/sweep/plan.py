@@ -16,7 +16,7 @@ from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 
-from ..lockstep.cosim import check_addresses_of
+from ..lockstep.cosim import check_addresses
 from ..lockstep.random_runs import Design
 from ..rtl.files import design_fingerprint
 from .axes import RUNS_MAX, Point, grid, latin, uniform
@@ -207,7 +207,7 @@ def _fault(task: Task, sensor: Sensor) -> str | None:
         config, _ = configuration(task.engine, sensor, task.preset, task.tables, task.hardware)
         if isinstance(config, RunConfig):
             config.device_config(*sensor)
-            check_addresses_of(sensor, config.hardware, "the input")
+            check_addresses(sensor, config.hardware, "the input")
     except (ConfigError, RecordingError) as error:
         return str(error)
     return None

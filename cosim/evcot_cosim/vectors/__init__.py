@@ -94,7 +94,7 @@ class Vectors:
         if config.hardware.module not in ("cot_array", "cot_motion"):
             rule = "must be cot_array or cot_motion for vectors: of other hardware the order of beats depends on stalls"
             raise ConfigError(f"hardware = {config.hardware.module!r}: {rule}")
-        check_addresses(recording, config.hardware)
+        check_addresses((recording.width, recording.height), config.hardware, recording.name)
         events, sensor = recording.events, (recording.width, recording.height)
         if not len(events):
             raise RecordingError(f"{recording.name}: holds no events")

@@ -54,30 +54,24 @@ def track_into(
     """
     made_of = EventsDigest()
     state = None if work is None else work.state
-    tracker, tally = (start(), Tally()) if state is None else (state["tracker"], state["tally"])
-    log = None if work is None else LogSpool(work.folder, "log", (0, 0) if state is None else state["lengths"])
+    tracker = start() if state is None else state["tracker"]
+    log = None if work is None else LogSpool(work.folder, "log", None if state is None else state["log"])
+    tally = Tally() if log is None else log.tally
+    add = tally.add if log is None else log.add
     if work is not None and log is not None:
         work.held.callback(log.close)
-    if state is not None and resumed is not None:
-        resumed(tally.events)
     at = tally.events
+    if state is not None and resumed is not None:
+        resumed(at)
     for block in rest_of(blocks, made_of, at, "" if state is None else state["digest"]):
         made_of.add(block)
-        records, owner = tracker.feed(block)
-        tally.add(records, owner)
-        if work is None or log is None:
-            continue
-        log.add(records, owner)
-        if every and tally.events - at >= every:
+        add(*tracker.feed(block))
+        if work is not None and log is not None and every and tally.events - at >= every:
             at = tally.events
-            log.flush()
-            work.save({"tracker": tracker, "tally": tally, "lengths": log.lengths, "digest": made_of.hex()})
-    records = tracker.finish()
-    nobody = np.empty(0, np.int16)
-    tally.add(records, nobody)
+            work.save({"tracker": tracker, "log": log.state(), "digest": made_of.hex()})
+    add(tracker.finish(), np.empty(0, np.int16))
     verdicts = take_verdicts(tracker)
     if log is not None:
-        log.add(records, nobody)
         log.engine, log.recording = engine, made_of.hex()
         log.verdicts, log.class_names = verdicts, class_names_of(tracker)
     return Tracked(tracker, log, tally, verdicts)

@@ -30,9 +30,9 @@ _TIMES = ("wall_s", "realtime_factor", "events_per_s", "software_events_per_s", 
 _SMALL = """
 import os, signal, sys
 import evcot_cosim.commands.actions.cosim as action, evcot_cosim.report.part_pages as parts
-import evcot_cosim.lockstep.long as long, evcot_cosim.lockstep.lockstep as lockstep, evcot.unfinished as unfinished
+import evcot_cosim.lockstep.cosim as runs, evcot.unfinished as unfinished
 from evcot_cosim.cli import main
-action.EVENTS_MAX, parts.PART_EVENTS, long.CHUNK = 9_000, 4_000, 2_000
+action.EVENTS_MAX, parts.PART_EVENTS, runs.CHUNK = 9_000, 4_000, 2_000
 saves, save = [], unfinished.Unfinished.save
 def counted(work, state):
     save(work, state)
@@ -127,7 +127,7 @@ def test_a_run_whose_pages_cannot_be_written_goes_on_without_simulating_again(
     """The last step of a run may find the disk full, hours after the first event."""
     for name, value in {"commands.actions.cosim.EVENTS_MAX": 9_000, "report.part_pages.PART_EVENTS": 4_000}.items():
         monkeypatch.setattr(f"evcot_cosim.{name}", value)
-    monkeypatch.setattr("evcot_cosim.lockstep.long.CHUNK", 2_000)
+    monkeypatch.setattr("evcot_cosim.lockstep.cosim.CHUNK", 2_000)
     command = ["cosim", str(recorded), "--preset", "discs", "--no-waves", "-q", "--stalls", "3"]
     command += ["--checkpoint", "4000", "-o", str(runs / "full")]
 

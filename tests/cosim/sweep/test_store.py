@@ -224,7 +224,7 @@ def test_a_run_that_is_ended_goes_on(engine: str, tmp_path: Path, monkeypatch: p
 
     def end(work: Unfinished, state: dict[str, Any]) -> None:
         save(work, state)
-        saved.append(state["count"]["events"])
+        saved.append(state["tally"].events)
         if len(saved) == 2:
             raise KeyboardInterrupt
 

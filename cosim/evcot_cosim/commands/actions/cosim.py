@@ -17,8 +17,7 @@ from evcot.outputs import check_folder
 from evcot.recognition.weights import Weights
 from evcot.unfinished import unfinished
 
-from ...lockstep.cosim import run_cosim
-from ...lockstep.long import run_long
+from ...lockstep.cosim import run_cosim, run_long
 from ...lockstep.mismatch import MismatchError
 from ...lockstep.run_file import run_toml
 from ...lockstep.summary import table, verdict_lines

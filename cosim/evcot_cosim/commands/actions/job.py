@@ -153,5 +153,5 @@ def _config(
     if config.software_filters is not None:
         config = replace(config, software_filters=with_options(options, config.software_filters, sensor))
     config = replace(config, filters=filters)
-    check_addresses(recording, config.hardware)
+    check_addresses(sensor, config.hardware, recording.name)
     return config
