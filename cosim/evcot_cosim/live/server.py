@@ -7,8 +7,6 @@ A page on this machine may also say what to play; one on another machine can onl
 from __future__ import annotations
 
 import asyncio
-import base64
-import hashlib
 import ipaddress
 import json
 import logging
@@ -27,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, OutputError
-from evcot.templating import templates
+from evcot.templating import html_templates
 
-from ..report.page import SCREEN, inline_modules, inline_styles
+from ..report.page import SCREEN, hash_of, inline_modules, inline_styles
 from . import PORT
 from .messages import FrameMaker, drawn_number, pack_frame, wish_in
 from .player import Player, Run
@@ -53,15 +51,14 @@ class Page:
 def page() -> Page:
     """The page; its headers allow only its own script, and connections only to its own origin."""
     script = "\n".join([inline_modules(SCREEN), *(_source(f"{name}.js") for name in _OWN)])
-    environment = templates("evcot_cosim.live", "evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment = html_templates("evcot_cosim.live", "evcot_cosim.report")
     body = (
         environment.get_template("live.html.j2")
         .render(style=inline_styles("style", "screen") + _source("live.css"), script=script)
         .encode()
     )
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    policy = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
-    policy += "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    policy = f"default-src 'none'; script-src 'sha256-{hash_of(script)}'; style-src 'unsafe-inline'; img-src data:"
+    policy += "; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     return Page(
         body,
         {

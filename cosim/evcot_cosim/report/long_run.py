@@ -24,7 +24,6 @@ from evcot.tracks import PARQUET
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import Kind
 from evcot.tracks.log_files import Extent, save_log
-from evcot.tracks.log_parts import in_step, runs_of
 from evcot.tracks.npz import NpzFile
 from evcot.tracks.parquet import LogFile, check_parquet
 
@@ -36,7 +35,7 @@ from ..lockstep.verdict import verdict_by
 from ..memory import give_back
 from ..waves.window import Window, write_waves
 from . import REPORT
-from .part_pages import LongLog, LongRecording, part_names, write_overview, write_parts
+from .part_pages import LongRecording, part_names, write_overview, write_parts
 
 __all__ = ["long_names", "write_long_logs", "write_long_run"]
 
@@ -76,7 +75,7 @@ def write_long_logs(
     claim(folder, [RUN_FILE, *part_names(extent.events)])
     with folder_written_aside(folder, "report") as aside, source.opened() as file:
         recording = LongRecording(name, sensor, source.blocks(file), extent.events, extent.first_us, extent.last_us)
-        paged = write_parts(recording, {side: _long(log) for side, log in logs.items()}, aside, {}, progress=progress)
+        paged = write_parts(recording, logs, aside, {}, progress=progress)
         (aside / RUN_FILE).write_text(f"# Pages that {path.name} shows.\n", encoding="utf-8")
     summary = {
         "name": name,
@@ -90,11 +89,6 @@ def write_long_logs(
     }
     write_overview(summary, path, force=force)
     return summary
-
-
-def _long(log: LogFile | NpzFile) -> LongLog:
-    runs = log.blocks() if isinstance(log, LogFile) else in_step(log.record_runs(), log.owner_runs())
-    return LongLog(log.engine, runs, log.verdicts, log.class_names)
 
 
 _NUMBERED = re.compile(r"part-[0-9]{5,}\.html|(hardware|software)\.[0-9]+\.parquet")
@@ -146,11 +140,10 @@ def write_long_run(
             for log_written in logs:
                 log_written.result()
             give_back()
-        sides = {name: LongLog(log.engine, runs_of(log), log.verdicts, log.class_names) for name, log in both.items()}
         about = {"config": run.config.to_dict()}
         with source.opened() as file:
             recording = LongRecording(run.name, run.sensor, source.blocks(file), run.events, run.begin_us, run.end_us)
-            paged = write_parts(recording, sides, aside, about, comparison, progress)
+            paged = write_parts(recording, both, aside, about, comparison, progress)
         summary = summarise_long(run, comparison, paged.quality, command)
         summary["parts"] = paged.parts
         if waves:

@@ -18,7 +18,7 @@ from jinja2 import Template
 
 from evcot.metrics.quality import Quality
 from evcot.outputs import written_aside
-from evcot.templating import templates
+from evcot.templating import html_templates
 from evcot.tracks.log import Kind
 
 from ..lockstep.verdict import ENOUGH_S, Verdict, verdict_by, verdict_of
@@ -29,7 +29,7 @@ from .material import Material
 from .objects import TRUTH
 from .pack import EVENTS_MAX, LIVES_MAX, RECORDS_MAX, Packed, pack
 
-__all__ = ["MODULES", "SCREEN", "inline_modules", "inline_styles", "render", "write_report"]
+__all__ = ["MODULES", "SCREEN", "hash_of", "inline_modules", "inline_script", "inline_styles", "render", "write_report"]
 
 # What the pages of a run and of a live tracker share: the picture, the colours, and the window's panes.
 SCREEN = ("surface", "stage", "theme", "panes")
@@ -109,14 +109,11 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         "mismatch": _mismatch_us(material),
         "merged": [[pair["hardware_id"], pair["software_id"]] for pair in (context["agreement"] or {}).get("merges", [])],
     }
-    script = inline_modules(MODULES)
     return _template().render(
         **context,
         tabs=_tabs(material, context),
         style=inline_styles("style", "screen"),
-        script=script,
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-        facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+        **inline_script(inline_modules(MODULES), facts),
         packed=packed.text,
     )
 
@@ -124,7 +121,7 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
 @cache
 def _template() -> Template:
     """The page's template, compiled once: a long run has a page for each part."""
-    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment = html_templates("evcot_cosim.report")
     environment.filters |= {"percent": percent}
     return environment.get_template("report.html.j2")
 
@@ -188,6 +185,17 @@ def _peak_per_s(material: Material) -> float:
 def inline_modules(names: tuple[str, ...], package: str = "evcot_cosim.report") -> str:
     """Concatenate modules in one scope, without their imports and exports, in order of their dependencies."""
     return "\n".join(_EXPORT.sub("", _IMPORT.sub("", _source(f"{name}.js", package))) for name in names)
+
+
+def inline_script(script: str, facts: Mapping[str, Any]) -> dict[str, str]:
+    """What a template needs of its script: `script`, `script_hash`, see `hash_of`, and `facts`, the data for the script."""
+    data = json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return {"script": script, "script_hash": hash_of(script), "facts": data}
+
+
+def hash_of(script: str) -> str:
+    """The hash by which a page's content security policy allows its script."""
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 
 def inline_styles(*names: str) -> str:

@@ -3,13 +3,10 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
-import json
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import copy_context
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -22,11 +19,10 @@ from evcot.events import Events, Recording
 from evcot.metrics.quality import Quality, QualityCounter, isolation, quality_of
 from evcot.outputs import written_aside
 from evcot.recordings.formats.source import Sensor
-from evcot.templating import templates
+from evcot.templating import html_templates
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from evcot.tracks.log_parts import LogParts
-from evcot.tracks.record import ClassNames, no_verdicts
+from evcot.tracks.log_parts import AnyLog, LogParts
 from evcot.tracks.timeline import alive
 
 from ..lockstep.lockstep import cut
@@ -35,25 +31,15 @@ from ..memory import give_back, keep_little
 from .collect import collect, looks_of
 from .facts import agreement_rows, flat, latency_bars, run_rows
 from .material import Material, Side
-from .page import inline_styles, write_report
+from .page import inline_script, inline_styles, write_report
 
-__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "part_names", "write_overview", "write_parts"]
+__all__ = ["PART_EVENTS", "LongRecording", "part_names", "write_overview", "write_parts"]
 
 
 PART_EVENTS = 1 << 18
 _DRAWN = 40_000  # events of a part's page
 # Returned to the system at once: 10 to 20 MB less than from 1 MB on, which a lock-step needs for its rate.
 _LARGE_BYTES = 1 << 17
-
-
-@dataclass(frozen=True)
-class LongLog:
-    """A log that comes in runs, as of `tracks.log_parts.runs_of`, the engine that made it, and its classes as of `TrackLog`."""
-
-    engine: str
-    runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]
-    verdicts: NDArray[np.void] = field(default_factory=no_verdicts)
-    class_names: ClassNames = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -95,7 +81,7 @@ def part_names(events: int) -> list[str]:
 
 def write_parts(
     recording: LongRecording,
-    logs: Mapping[str, LongLog],
+    logs: Mapping[str, AnyLog],
     folder: Path,
     about: Mapping[str, Any],
     comparison: Comparison | None = None,
@@ -114,7 +100,7 @@ def write_parts(
     """
     keep_little(_LARGE_BYTES)
     compiled_aside(_compile_kernels, recording.sensor)
-    in_parts = {name: LogParts(log.engine, log.runs, log.verdicts, log.class_names) for name, log in logs.items()}
+    in_parts = {name: LogParts(log) for name, log in logs.items()}
     quality = {name: QualityCounter(recording.begin_us, recording.end_us) for name in logs}
     times = comparison or Comparison(recording.begin_us, recording.end_us)
     alone_in = isolation(recording.sensor)
@@ -203,7 +189,7 @@ def write_overview(summary: Mapping[str, Any], path: Path, *, force: bool = Fals
     """
     folder = files("evcot_cosim.report") / "templates"
     script = (folder / _MODULE).read_text(encoding="utf-8")
-    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment = html_templates("evcot_cosim.report")
     verdict = verdict_from(summary["verdict"])
     names = [name.removeprefix(_ALIVE) for name in summary["parts"][0] if name.startswith(_ALIVE)]
     looks = looks_of(names)
@@ -224,11 +210,7 @@ def write_overview(summary: Mapping[str, Any], path: Path, *, force: bool = Fals
         comparison=None,
         run=None,
         style=inline_styles("style"),
-        script=script,
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-        facts=json.dumps({"parts": summary["parts"], "sides": sides}, separators=(",", ":"), allow_nan=False).replace(
-            "<", "\\u003c"
-        ),
+        **inline_script(script, {"parts": summary["parts"], "sides": sides}),
     )
     with written_aside(path, force=force) as file:
         file.write(text.encode())

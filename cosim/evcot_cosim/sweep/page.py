@@ -3,9 +3,6 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
-import json
 import math
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
@@ -13,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from evcot.templating import templates
+from evcot.templating import html_templates
 
 from ..report.pack import Column, pack
-from ..report.page import inline_modules, inline_styles
+from ..report.page import inline_modules, inline_script, inline_styles
 from .execute import DONE, MISMATCH
 from .fields import RTL
 from .folder import SPEC
@@ -62,7 +59,7 @@ def render(spec: Spec, rows: Sequence[Mapping[str, Any]], groups: Sequence[Group
         "coordinates": ("Parallel coordinates", drawn), "responses": ("Responses", charts), "suites": ("Modules", suites),
         "families": ("Families", left_out), "faults": ("Not done", faults), "specification": ("Specification", True),
     }  # fmt: skip
-    environment = templates("evcot_cosim.sweep", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment = html_templates("evcot_cosim.sweep")
     return environment.get_template("sweep.html.j2").render(
         title=spec.name,
         runs=len(rows),
@@ -83,9 +80,7 @@ def render(spec: Spec, rows: Sequence[Mapping[str, Any]], groups: Sequence[Group
         more_faults=max(0, len(faults) - _FAULTS_MAX),
         specification=f"# {SPEC}\n{spec_toml(spec)}",
         style=inline_styles("style") + (files("evcot_cosim.sweep") / "templates" / "sweep.css").read_text(encoding="utf-8"),
-        script=script,
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-        facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+        **inline_script(script, facts),
         packed=packed.text,
     )
 

@@ -17,28 +17,32 @@ from numpy.typing import NDArray
 
 from .column import Column, in_runs
 from .log import TRACK, Kind, TrackLog
-from .record import NO_NAMES, ClassNames, no_verdicts
+from .npz import NpzFile
+from .parquet import LogFile
 from .spool import LogColumns
 from .timeline import OPEN, SAMPLE, by_life, expiring, lifetimes, sample
 
-__all__ = ["LogParts", "Window", "in_step", "life_lengths", "runs_of", "sampled", "windows"]
+__all__ = ["AnyLog", "LogParts", "Window", "life_lengths", "sampled", "windows"]
+
+AnyLog = LogColumns | LogFile | NpzFile
+"""A log that can be read run by run: in memory, while it grows, or in a file."""
 
 
 _OWNERS, _RECORDS = 1 << 16, 1 << 14  # of a run
-_NO_VERDICTS = no_verdicts()
 _BEFORE = -(1 << 62)  # `event_index` of what was before the part
 
 
-def runs_of(log: LogColumns) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
+def _runs_of(log: AnyLog) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
     """A log as records and owners, run by run, as `parquet.LogFile.blocks` gives them."""
+    if isinstance(log, LogFile):
+        return log.blocks()
+    if isinstance(log, NpzFile):
+        return _in_step(log.record_runs(), log.owner_runs())
+    records, owners = (in_runs(log.records, _RECORDS), in_runs(log.owner, _OWNERS))
+    return _in_step((run for _, run in records), (run for _, run in owners))
 
-    def runs(column: Column, size: int) -> Iterator[NDArray[Any]]:
-        return (column[begin : begin + size] for begin in range(0, len(column), size))
 
-    return in_step(runs(log.records, _RECORDS), runs(log.owner, _OWNERS))
-
-
-def in_step(
+def _in_step(
     records: Iterator[NDArray[np.void]], owners: Iterator[NDArray[np.int16]]
 ) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
     """Records and owners of a log, each run by run, brought together as `parquet.LogFile.blocks` gives them."""
@@ -60,20 +64,11 @@ def in_step(
 
 
 class LogParts:
-    """Cuts a log that comes in runs.
+    """Cuts a log; every part has all verdicts and names of classes."""
 
-    Args:
-        engine: as of `TrackLog`.
-        runs: of `runs_of` or of `parquet.LogFile.blocks`.
-        verdicts, class_names: as of `TrackLog`; every part has them all.
-    """
-
-    def __init__(
-        self, engine: str, runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]],
-        verdicts: NDArray[np.void] = _NO_VERDICTS, class_names: ClassNames = NO_NAMES,
-    ) -> None:  # fmt: skip
-        self._engine, self._verdicts, self._class_names = engine, verdicts, class_names
-        self._runs = runs
+    def __init__(self, log: AnyLog) -> None:
+        self._engine, self._verdicts, self._class_names = log.engine, log.verdicts, log.class_names
+        self._runs = _runs_of(log)
         self._records = np.empty(0, TRACK)
         self._owner = np.empty(0, np.int16)
         self._done = 0

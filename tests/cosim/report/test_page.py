@@ -201,7 +201,7 @@ from pathlib import Path
 import numpy as np
 from numba.core import event
 from evcot.events import Events
-from evcot.tracks.log import TRACK
+from evcot.tracks.log import TRACK, TrackLog
 from evcot_cosim.report import part_pages
 
 class Compiled(event.Listener):
@@ -215,7 +215,7 @@ count = 150
 columns = (np.zeros(count, kind) for kind in (np.uint16, np.uint16, np.uint8))
 blocks = iter([Events(np.arange(count, dtype=np.int64), *columns)])
 recording = part_pages.LongRecording("made", (64, 64), blocks, count, 0, count - 1)
-log = part_pages.LongLog("cot_array", iter([(np.empty(0, TRACK), np.full(count, -1, np.int16))]))
+log = TrackLog("cot_array", np.empty(0, TRACK), np.full(count, -1, np.int16))
 part_pages.write_parts(recording, {"hardware": log}, Path(sys.argv[1]), {})
 """
 

@@ -19,7 +19,7 @@ from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks import column
 from evcot.tracks.compare import Comparison, compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from evcot.tracks.log_parts import LogParts, life_lengths, runs_of
+from evcot.tracks.log_parts import LogParts, life_lengths
 from evcot.tracks.parquet import LogFile
 from evcot.tracks.timeline import lifetimes
 from evcot.tracks.track_pairs import ROW
@@ -40,7 +40,7 @@ def logs(recording: Recording) -> tuple[TrackLog, TrackLog]:
 
 
 def cut(log: TrackLog, n: int) -> list[tuple[TrackLog, TrackLog]]:
-    parts = LogParts(log.engine, runs_of(log))
+    parts = LogParts(log)
     return [parts.take(min(PART, n - begin), last=begin + PART >= n) for begin in range(0, n, PART)]
 
 
@@ -113,7 +113,7 @@ def test_a_parquet_file_comes_in_the_same_parts(recording: Recording, logs: tupl
     log = logs[0]
     log.save(tmp_path / "log.parquet")
     file, n = LogFile(tmp_path / "log.parquet"), len(recording.events)
-    parts = LogParts(file.engine, file.blocks())
+    parts = LogParts(file)
     for whole, _ in cut(log, n):
         other, _ = parts.take(len(whole.owner), last=len(whole.owner) < PART)
         assert np.array_equal(other.records, whole.records)
