@@ -15,8 +15,7 @@ from ...errors import RecordingError
 from ...events import Events
 from .evt3 import evt3_layout
 from .ros_messages import STAMPED_ENCODING, Packet
-from .source import BLOCK_EVENTS
-from .words import advance, put_vector
+from .words import Decoder, advance, put_vector
 
 __all__ = ["EVT3", "LOST", "MOST_EVENTS", "PacketDecoder", "State", "check_encoding", "fill"]
 
@@ -119,8 +118,8 @@ class PacketDecoder:
         check_encoding(encoding)
         self.left_out: Counter[str] = Counter()
         self._encoding = encoding
-        self._layout = evt3_layout(0)
-        self._state = self._layout.start
+        layout = evt3_layout(0)
+        self._evt3 = Decoder(layout.fill, layout.most_events, layout.start, layout.lost)
 
     def decode(self, packet: Packet) -> Iterator[Events]:
         """The events of a packet, in parts of bounded size: a word may be many events.
@@ -137,25 +136,13 @@ class PacketDecoder:
 
     def evt3(self, words: NDArray[np.uint16]) -> Iterator[Events]:
         """The events of the next words of EVT 3.0."""
-        while len(words):
-            room = min(len(words) * self._layout.most_events, BLOCK_EVENTS) + self._layout.most_events
-            t_us, x = np.empty(room, np.int64), np.empty(room, np.uint16)
-            y, p = np.empty(room, np.uint16), np.empty(room, np.uint8)
-            used, count, self._state = self._layout.fill(words, self._state, t_us, x, y, p)
-            words = words[used:]
-            if count:
-                yield Events(t_us[:count], x[:count], y[:count], p[:count])
-        self.left_out = Counter({why: getattr(self._state, field) for why, field in self._layout.lost.items()})
+        yield from self._evt3.feed(words)
+        self.left_out = self._evt3.left_out
 
     def _libcaer_cmp(self, packet: Packet) -> Iterator[Events]:
-        words = packet.words("u2")
-        state = State(packet.time_base_ns // 1000)
-        while len(words):
-            events = Events.allocated(min(len(words) * MOST_EVENTS, BLOCK_EVENTS) + MOST_EVENTS)
-            used, count, state = fill(words, state, events.t_us, events.x, events.y, events.p)
-            words = words[used:]
-            yield events[:count]
-        self.left_out.update({why: lost for why, field in LOST.items() if (lost := getattr(state, field))})
+        decoder = Decoder(fill, MOST_EVENTS, State(packet.time_base_ns // 1000), LOST)
+        yield from decoder.feed(packet.words("u2"))
+        self.left_out += decoder.left_out
 
 
 def _decode_mono(packet: Packet) -> Events:

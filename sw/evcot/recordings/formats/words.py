@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,7 +18,9 @@ from ...errors import RecordingError
 from ...events import Events
 from .source import BLOCK_EVENTS, Sensor
 
-__all__ = ["FirstMark", "Layout", "State", "WordArray", "WordFile", "Words", "advance", "place_of_mark", "put_vector"]
+__all__ = [
+    "Decoder", "FirstMark", "Layout", "State", "WordArray", "WordFile", "Words", "advance", "place_of_mark", "put_vector",
+]  # fmt: skip
 
 
 # A kernel (words, least) -> (index, mark) of the first time mark >= `least`; the index is len(words) if there is none.
@@ -92,6 +95,7 @@ def put_vector(n, mask, time_us, left, row, polarity, t_us, x, y, p):  # type: i
 WordArray: TypeAlias = NDArray[np.unsignedinteger[Any]]
 # State of a decoder between two words: a NamedTuple of integers.
 State: TypeAlias = Any
+Fill = Callable[..., tuple[int, int, State]]  # see `Layout`
 
 
 class Words:
@@ -149,9 +153,35 @@ class Layout:
     dtype: np.dtype[Any]
     most_events: int
     start: State
-    fill: Callable[..., tuple[int, int, State]]
+    fill: Fill
     seek: Callable[[Words, int], tuple[int, State]]
     lost: Mapping[str, str]
+
+
+class Decoder:
+    """Decodes words to events, going on from call to call.
+
+    Args:
+        fill, most_events, lost: as of `Layout`.
+        state: before the first word.
+    """
+
+    def __init__(self, fill: Fill, most_events: int, state: State, lost: Mapping[str, str]) -> None:
+        self._fill, self._most_events, self.state, self._lost = fill, most_events, state, lost
+
+    @property
+    def left_out(self) -> Counter[str]:
+        """Reason -> number of events left out so far."""
+        return Counter({why: count for why, field in self._lost.items() if (count := getattr(self.state, field))})
+
+    def feed(self, words: WordArray) -> Iterator[Events]:
+        """The events of the next words, in blocks of bounded size."""
+        while len(words):
+            events = Events.allocated(min(len(words) * self._most_events, BLOCK_EVENTS) + self._most_events)
+            used, count, self.state = self._fill(words, self.state, events.t_us, events.x, events.y, events.p)
+            words = words[used:]
+            if count:
+                yield events[:count]
 
 
 class WordFile:
@@ -173,32 +203,20 @@ class WordFile:
     ) -> None:
         self.sensor, self.details, self.smallest_sensor = sensor, details, smallest_sensor
         self._words, self._layout, self._piece_words = words, layout, piece_words
-        self._state = layout.start
+        self._decoder = Decoder(layout.fill, layout.most_events, layout.start, layout.lost)
         self.remarks: list[str] = []
 
     @property
     def left_out(self) -> Mapping[str, int]:
         """See `source.Source`."""
-        counts = {why: getattr(self._state, field) for why, field in self._layout.lost.items()}
-        return {why: count for why, count in counts.items() if count}
+        return self._decoder.left_out
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""
-        begin, self._state = (0, self._layout.start) if from_us is None else self._layout.seek(self._words, from_us)
+        begin, self._decoder.state = (0, self._layout.start) if from_us is None else self._layout.seek(self._words, from_us)
         for _, piece in self._words.pieces(begin, len(self._words), self._piece_words):
-            yield from self._decode(piece)
+            yield from self._decoder.feed(piece)
         self._words.check_end()
-
-    def _decode(self, words: WordArray) -> Iterator[Events]:
-        most = self._layout.most_events
-        while len(words):
-            room = min(len(words) * most, BLOCK_EVENTS) + most
-            t_us, x = np.empty(room, np.int64), np.empty(room, np.uint16)
-            y, p = np.empty(room, np.uint16), np.empty(room, np.uint8)
-            used, count, self._state = self._layout.fill(words, self._state, t_us, x, y, p)
-            words = words[used:]
-            if count:
-                yield Events(t_us[:count], x[:count], y[:count], p[:count])
 
     def close(self) -> None:
         """Close the file."""
