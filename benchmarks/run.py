@@ -36,7 +36,6 @@ _BENCHMARKS = (
     "clustering",
     "table2",
     "cot_quality",
-    "adaptive",
     "anomalies",
     "lines",
     "recognition",
