@@ -87,18 +87,24 @@ def damage_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--skip-damaged", action="store_true", help="skip damaged parts, and say how much was skipped")
 
 
-def window_from(options: argparse.Namespace) -> tuple[int, int | None]:
+def window_from(options: argparse.Namespace, length_ms: float | None = None) -> tuple[int, int | None]:
     """(from, to) in microseconds after the first event, to None for the recording's end.
+
+    Args:
+        length_ms: of the window where its end is not given; None: up to the recording's end.
 
     Raises:
         ConfigError: no time, or an end that does not follow the beginning.
     """
-    for option, ms in (("--from", options.from_ms), ("--to", options.to_ms)):
+    from_ms, to_ms = options.from_ms or 0.0, options.to_ms
+    if to_ms is None and length_ms is not None:
+        to_ms = from_ms + length_ms
+    for option, ms in (("--from", from_ms), ("--to", to_ms)):
         if ms is not None and not (math.isfinite(ms) and 0 <= ms <= 1e15):
             raise ConfigError(f"{option} {ms:g}: must be from 0 to 1e15 ms")
-    if options.to_ms is not None and options.to_ms <= options.from_ms:
-        raise ConfigError(f"--to {options.to_ms:g}: must be after --from {options.from_ms:g}")
-    return round(options.from_ms * 1000), None if options.to_ms is None else round(options.to_ms * 1000)
+    if to_ms is not None and to_ms <= from_ms:
+        raise ConfigError(f"--to {to_ms:g}: must be after --from {from_ms:g}")
+    return round(from_ms * 1000), None if to_ms is None else round(to_ms * 1000)
 
 
 def sensor_from(options: argparse.Namespace) -> tuple[int, int] | None:
@@ -194,7 +200,7 @@ NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
 
 
 def filter_options(parser: argparse.ArgumentParser) -> None:
-    """Add an option for each filter's settings. A command that has done its work then calls `save_learned`."""
+    """Add an option for each filter's settings. A command that has done its work then saves what was learned."""
     group = parser.add_argument_group("filters", "on top of the table [filters] of --config; see docs/filters.md")
     group.add_argument("--region", type=region, metavar="X0,Y0,X1,Y1", help="keep these columns and rows, both bounds included")
     group.add_argument("--polarity", choices=("on", "off"), help="keep events of this polarity")

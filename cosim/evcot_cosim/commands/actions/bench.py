@@ -25,7 +25,6 @@ from ...tables import print_table
 from ..options import window_from
 from .job import Job, job_from
 from .progress import Progress
-from .settings import save_learned
 
 __all__ = ["run"]
 
@@ -47,7 +46,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         for what, run in _jobs(job, progress):
             progress.note(what)
             rates.append(_Rate(what, _best_s(run), len(job.recording.events)))
-    save_learned(options)
+    job.filters.save_learned()
     recording_s = job.recording.duration_us / 1e6
     if options.json:
         print(json.dumps([{**rate._asdict(), "events_per_s": rate.events / rate.seconds} for rate in rates], indent=2))

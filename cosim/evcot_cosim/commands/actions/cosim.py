@@ -32,7 +32,6 @@ from ..parsing import MISMATCH
 from .files import say_resumed, weights_from, work_key
 from .job import Job, job_from
 from .progress import Progress, counted_ahead
-from .settings import save_learned
 
 __all__ = ["run"]
 
@@ -108,7 +107,7 @@ def _run_long(options: argparse.Namespace, job: Job, weights: Weights | None, fo
 
 def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[str, Any], what: str) -> int:
     """Say what was found and written; the exit code."""
-    save_learned(options)
+    job.filters.save_learned()
     if options.json:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:

@@ -19,7 +19,7 @@ from evcot.trackers.config import RunConfig, load_toml
 from ...standard_streams import format_name
 from ..options import window_from
 from .files import open_from
-from .settings import filters_from, save_learned
+from .settings import filters_from
 from .spinner import Counting
 
 __all__ = ["run"]
@@ -32,13 +32,14 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     shown = not (options.quiet or options.json)
     with Counting(f"writing {options.target}", enabled=shown) as counting, open_from(options, options.source) as file:
         run = load_toml(options.config, RunConfig()) if options.config else RunConfig()
-        config = filters_from(options, run.filters, file.blocks(*window), file.sensor)
+        given = filters_from(options, file.blocks(*window), file.sensor)
+        config = given.on(run.filters)
         if not config.enabled and not options.learn_hot_pixels:
             raise ConfigError("no filter is on: see `evcot filter --help`")
         source = counting.watched(file.blocks(*window, required=True), file.t0_us)
         blocks = filtered(source, config, file.sensor, run.hardware.tick_us)
         kept = write_events(options.target, file.sensor, blocks, kind.name, force=options.force)
-    save_learned(options)
+    given.save_learned()
     if options.json:
         print(json.dumps(_summary(blocks.totals, kept) | {"config": asdict(config)}, indent=2))
     elif shown:

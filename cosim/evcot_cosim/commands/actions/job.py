@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.hardware.config import with_module
+from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig, load_toml, module_in
 from evcot.trackers.presets import run_config
 
@@ -19,7 +20,7 @@ from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, stalls_from
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
 from ..options import DEFAULT_SCENE, sensor_from
-from .settings import check_learning, filters_from, with_options
+from .settings import FilterOptions, check_learning, filters_from
 
 __all__ = ["Job", "job_from"]
 
@@ -32,6 +33,7 @@ class Job:
         name: what is made of it is called by this.
         folder: of the run that is looked at again, if it is one.
         seed: of the stall patterns.
+        filters: what the options say about filters; it is in `config`.
         more: whether `recording` holds only the first events of the source.
     """
 
@@ -41,6 +43,7 @@ class Job:
     name: str
     seed: int | None
     folder: Path | None
+    filters: FilterOptions
     more: bool = False
 
     @property
@@ -82,9 +85,9 @@ def job_from(
     if options.stalls is not None and options.stalls < 0:
         raise ConfigError(f"--stalls {options.stalls}: must not be negative")
     folder = _run_folder(options)
-    described = read_run_file(options.config) if options.config else None
-    source = _source(options, described.source if described else None, window)
-    module = options.hardware or (options.config and module_in(options.config)) or None
+    given, config_file = (options.recording, options.config) if folder is None else (None, folder / RUN_FILE)
+    described = read_run_file(config_file) if config_file else None
+    source = _source(options, given, described.source if described else None, window)
     if until_us is not None and not described:
         source = replace(source, to_us=until_us)
     name = folder.name if folder else source.name
@@ -94,13 +97,17 @@ def job_from(
         claim(name)
     recording, more = (source.read(), False) if most is None else source.begin(most)
     if described and source == described.source and not more:
-        described.check(options.config, recording.events)
+        described.check(config_file, recording.events)
     seed = described.stalls if described and options.stalls is None else options.stalls
 
-    def blocks() -> Iterable[Events]:
-        return _all_of(source) if more else [recording.events]
-
-    return Job(source, recording, _config(options, recording, blocks, module), name, seed, folder, more)
+    sensor = recording.width, recording.height
+    config = _config(options, config_file, sensor)
+    filters = filters_from(options, _all_of(source) if more else [recording.events], sensor)
+    if config.software_filters is not None:
+        config = replace(config, software_filters=filters.on(config.software_filters))
+    config = replace(config, filters=filters.on(config.filters))
+    check_addresses(sensor, config.hardware, recording.name)
+    return Job(source, recording, config, name, seed, folder, filters, more)
 
 
 def _all_of(source: Source) -> Iterator[Events]:
@@ -115,16 +122,14 @@ def _run_folder(options: argparse.Namespace) -> Path | None:
     for option in ("config", "preset", "slots"):
         if getattr(options, option) is not None:
             raise ConfigError(f"--{option}: must not be given with the folder of a run, which has its own configuration")
-    folder = Path(options.recording)
-    options.recording, options.config = None, folder / RUN_FILE
-    return folder
+    return Path(options.recording)
 
 
-def _source(options: argparse.Namespace, described: Source | None, window: tuple[int, int | None]) -> Source:
+def _source(options: argparse.Namespace, given: str | None, described: Source | None, window: tuple[int, int | None]) -> Source:
     """Where the events come from: what is described, with what the options say instead."""
     if options.seed is not None and options.seed < 0:
         raise ConfigError(f"--seed {options.seed}: must not be negative")
-    base = described if described and options.recording is None else Source.named(options.recording or DEFAULT_SCENE)
+    base = described if described and given is None else Source.named(given or DEFAULT_SCENE)
     sensor = sensor_from(options)
     if sensor is not None:
         base = replace(base, width=sensor[0], height=sensor[1])
@@ -137,21 +142,12 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
     return replace(base, skip_damaged=True) if options.skip_damaged else base
 
 
-def _config(
-    options: argparse.Namespace,
-    recording: Recording,
-    blocks: Callable[[], Iterable[Events]],
-    module: str | None,
-) -> RunConfig:
-    sensor = recording.width, recording.height
+def _config(options: argparse.Namespace, file: Path | None, sensor: Sensor) -> RunConfig:
+    """The preset, with what the file and the options change, without the options of filters."""
+    module = options.hardware or (file and module_in(file)) or None
     config = run_config(*sensor, options.preset, options.slots, hardware=module if options.preset is None else options.hardware)
-    if options.config is not None:
-        config = load_toml(options.config, config)
+    if file is not None:
+        config = load_toml(file, config)
         if options.hardware:
             config = replace(config, hardware=with_module(config.hardware, options.hardware))
-    filters = filters_from(options, config.filters, blocks(), sensor)
-    if config.software_filters is not None:
-        config = replace(config, software_filters=with_options(options, config.software_filters, sensor))
-    config = replace(config, filters=filters)
-    check_addresses(sensor, config.hardware, recording.name)
     return config

@@ -40,7 +40,7 @@ from ...tables import print_table
 from ..options import sensor_from, window_from
 from .files import open_from, weights_from
 from .progress import Length
-from .settings import configured, filters_from, save_learned, say_seen, with_options
+from .settings import configured, filters_from, say_seen
 from .spinner import Counting
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         if server is not None and isinstance(source, FileSource):
             undo.enter_context(_measured(options, source, window))
         _run(options, player, server)
-    save_learned(options)
+    runs.filters.save_learned()
     if runs.tracker is not None:
         say_seen(runs.tracker, quiet=options.quiet)
     summary = player.run.session.summary()
@@ -213,6 +213,7 @@ class Runs:
 
     Attributes:
         tracker: that of the newest session.
+        filters: what the options say about filters.
     """
 
     def __init__(
@@ -227,9 +228,9 @@ class Runs:
         self.tracker: Tracker | None = None
         self._options, self._source = options, source
         self._weights, self._recorder, self._log = weights, recorder, log
-        self._given = configured(options, source.sensor)
-        given_filters = filters_from(options, self._given[1], blocks(), source.sensor)
-        self._given = self._given[0], given_filters
+        settings, filters = configured(options, source.sensor)
+        self.filters = filters_from(options, blocks(), source.sensor)
+        self._given = settings, self.filters.on(filters)
         self._hardware: CotConfig | MotionConfig | None = None
 
     @property
@@ -271,14 +272,14 @@ class Runs:
         if (wish.engine, wish.preset) == (self._options.engine, self._options.preset):
             return self._given
         settings, filters = engine_settings(wish.engine, self._source.sensor, wish.preset)
-        return settings, with_options(self._options, filters, self._source.sensor)
+        return settings, self.filters.on(filters)
 
     def _beside(self) -> Beside:
         """The default hardware, as `evcot cosim` runs it."""
         sensor = self._source.sensor
         if self._hardware is None:
             run = run_config(*sensor)
-            run = replace(run, filters=with_options(self._options, run.filters, sensor))
+            run = replace(run, filters=self.filters.on(run.filters))
             self._hardware = run.device_config(*sensor)
         return hardware_beside(self._hardware, sensor)
 

@@ -42,13 +42,13 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     """Write the page; 0."""
     if options.rule and not options.truth:
         raise ConfigError("--rule: must be given with --truth")
-    options.run = [as_file(path) for path in options.run]
-    folders, logs = [path for path in options.run if path.is_dir()], [path for path in options.run if not path.is_dir()]
+    given = [as_file(path) for path in options.run]
+    folders, logs = [path for path in given if path.is_dir()], [path for path in given if not path.is_dir()]
     if len(folders) > 2 or (len(folders) == 2 and logs):
         raise ConfigError("RUN: must be one folder, one folder and logs, logs, or two folders to compare")
     if len(folders) == 2 and options.output is None:
         raise ConfigError("-o: must be given to say where the comparison of two runs is written")
-    path = options.output or (options.run[0] / REPORT if folders and not logs else options.run[0].with_suffix(".html"))
+    path = options.output or (given[0] / REPORT if folders and not logs else given[0].with_suffix(".html"))
     if folders and logs and options.output is None:
         raise ConfigError("-o: must be given with further logs: report.html of the folder is the run's own")
     force = options.force or is_own_file(path)  # in the folder of a run its own report is made anew

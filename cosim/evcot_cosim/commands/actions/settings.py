@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
-from dataclasses import asdict, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from evcot.errors import ConfigError, meant
@@ -15,6 +16,7 @@ from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import Pixels, learn_hot_pixels, load_hot_pixels, save_hot_pixels
 from evcot.hardware.modules import MODULES
 from evcot.ranges import read_pair, read_value
+from evcot.recordings.formats.source import Sensor
 from evcot.trackers.adaptive.estimates import ObservedTracker
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import usable_engines
@@ -23,54 +25,61 @@ from evcot.tracks.tracking import FilteredTracker, Tracker
 
 from ..options import NUMBERS
 
-__all__ = ["check_learning", "configured", "filters_from", "plain", "save_learned", "say_seen", "with_options"]
+__all__ = ["FilterOptions", "check_learning", "configured", "filters_from", "plain", "say_seen"]
 
 
-def filters_from(
-    options: argparse.Namespace, base: FilterConfig, blocks: Iterable[Events], sensor: tuple[int, int]
-) -> FilterConfig:
-    """A configuration with what the options say on top.
+@dataclass(frozen=True)
+class FilterOptions:
+    """What the options say about filters, for any configuration.
+
+    Attributes:
+        changes: fields of `FilterConfig`, with their values.
+        listed, learned: hot pixels of a file, and those that were found in the recording.
+        sensor: of the recording.
+        save: where the learned ones are written; None: nowhere.
+        force: whether a file there is replaced.
+    """
+
+    changes: Mapping[str, Any]
+    listed: Pixels
+    learned: Pixels
+    sensor: Sensor
+    save: Path | None
+    force: bool
+
+    def on(self, base: FilterConfig) -> FilterConfig:
+        """A configuration with the options on top; ConfigError for a value outside its range."""
+        config = base.changed(self.changes)
+        return replace(config, hot_pixels=config.hot_pixels + self.listed + self.learned)
+
+    def save_learned(self) -> None:
+        """Write the learned hot pixels, where the options ask for it; OutputError where the file cannot be written."""
+        if self.save is not None:
+            save_hot_pixels(self.save, self.learned, self.sensor, force=self.force)
+
+
+def filters_from(options: argparse.Namespace, blocks: Iterable[Events], sensor: Sensor) -> FilterOptions:
+    """What the options say about filters.
 
     Args:
         blocks: the recording, from which hot pixels are learned where the options ask for it.
 
     Raises:
-        ConfigError: as `check_learning`, a value outside its range, or a list of hot pixels that cannot be used.
+        ConfigError: as `check_learning`, or a list of hot pixels that cannot be used.
     """
     check_learning(options)
     learned: Pixels = learn_hot_pixels(blocks, sensor) if options.learn_hot_pixels else ()
-    options.learned = learned, sensor
-    return with_options(options, base, sensor)
-
-
-def with_options(options: argparse.Namespace, base: FilterConfig, sensor: tuple[int, int]) -> FilterConfig:
-    """As `filters_from`, after it: the hot pixels that it found are used again."""
-    listed = load_hot_pixels(options.hot_pixels, sensor) if options.hot_pixels else ()
-    config = _on_top(base, options)
-    return replace(config, hot_pixels=config.hot_pixels + listed + options.learned[0])
+    listed: Pixels = load_hot_pixels(options.hot_pixels, sensor) if options.hot_pixels else ()
+    given = {name: getattr(options, name) for name in ("region", "polarity", *(field for field, *_ in NUMBERS.values()))}
+    changes = {name: value for name, value in given.items() if value is not None}
+    save = options.save_hot_pixels
+    return FilterOptions(changes, listed, learned, sensor, save, force=save is not None and options.force)
 
 
 def check_learning(options: argparse.Namespace) -> None:
     """Raise ConfigError where hot pixels are to be saved that nobody finds."""
     if options.save_hot_pixels is not None and not options.learn_hot_pixels:
         raise ConfigError("--save-hot-pixels: must be given with --learn-hot-pixels")
-
-
-def save_learned(options: argparse.Namespace) -> None:
-    """Write the hot pixels that `filters_from` found, where the options ask for it.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    if options.save_hot_pixels is not None:
-        learned, sensor = options.learned
-        save_hot_pixels(options.save_hot_pixels, learned, sensor, force=options.force)
-
-
-def _on_top(config: FilterConfig, options: argparse.Namespace) -> FilterConfig:
-    """The configuration with what the options say."""
-    given = {name: getattr(options, name) for name in ("region", "polarity", *(field for field, *_ in NUMBERS.values()))}
-    return config.changed({name: value for name, value in given.items() if value is not None})
 
 
 def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[Any, FilterConfig]:

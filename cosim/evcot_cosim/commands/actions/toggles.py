@@ -25,7 +25,6 @@ from ...waves.window import CLOCK, Window
 from ..hardware import TOGGLES_MS
 from ..options import window_from
 from .job import Job, job_from
-from .settings import save_learned
 from .spinner import Counting
 
 __all__ = ["run"]
@@ -48,23 +47,20 @@ class _Counted:
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Print the table, and write SAIF if asked for; 0."""
-    options.from_ms = options.from_ms or 0.0
-    options.to_ms = options.from_ms + TOGGLES_MS if options.to_ms is None else options.to_ms
-    from_us, to_us = window_from(options)
+    from_us, to_us = window_from(options, TOGGLES_MS)
     assert to_us is not None
     with Counting("simulating (the hardware is compiled once)", enabled=not (options.quiet or options.json)):
         job = job_from(options, until_us=to_us)
         window = Window.of_time(job.recording.events, from_us, to_us)
         if (n := window.last + 1 - window.first) > _MOST_EVENTS:
-            raise ConfigError(
-                f"--from {options.from_ms:g} --to {options.to_ms:g}: {n:,} events: must be at most {_MOST_EVENTS:,}"
-            )
+            given = f"--from {from_us / 1e3:g} --to {to_us / 1e3:g}"
+            raise ConfigError(f"{given}: {n:,} events: must be at most {_MOST_EVENTS:,}")
         if options.beside == job.config.hardware.module:
             raise ConfigError(f"--beside {options.beside}: must be another module than --hardware")
         counted = [_count(job, job.config, window, options.saif, force=options.force)]
         if options.beside is not None:
             counted.append(_count(job, _beside(job.config, options.beside), window))
-    save_learned(options)
+    job.filters.save_learned()
     if options.json:
         print(json.dumps([{**asdict(one), "whole": asdict(one.whole)} for one in counted], indent=1))
     elif not options.quiet:

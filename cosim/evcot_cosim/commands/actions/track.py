@@ -30,7 +30,7 @@ from ...tables import print_table
 from ..options import clock_from, window_from
 from .files import open_from, say_resumed, weights_from, work_key
 from .progress import Progress, counted_ahead
-from .settings import configured, filters_from, plain, save_learned, say_seen
+from .settings import configured, filters_from, plain, say_seen
 
 __all__ = ["run"]
 
@@ -59,7 +59,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     outputs = [path for path in (options.output, options.csv, options.boxes) if path is not None]
     with open_from(options, options.recording) as file, ExitStack() as held:
         settings, filters = configured(options, file.sensor)
-        filters = filters_from(options, filters, file.blocks(*window), file.sensor)
+        given = filters_from(options, file.blocks(*window), file.sensor)
+        filters = given.on(filters)
         sensor, first_us = file.sensor, file.t0_us
 
         def key() -> str:
@@ -93,7 +94,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             found["classified"] = len(np.unique(done.verdicts["track_id"]))
         if done.log is not None:
             _write(options, done.log)
-        save_learned(options)
+        given.save_learned()
         say_seen(done.tracker, quiet=options.quiet)
         if options.boxes is not None and done.log is not None:
             clock = clock_from(options, first_us)

@@ -14,7 +14,6 @@ from ...lockstep.run_file import write_run_file
 from ...vectors import FILES, Vectors
 from ..options import window_from
 from .job import job_from
-from .settings import save_learned
 from .spinner import Counting
 
 __all__ = ["run"]
@@ -37,7 +36,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         for name, text in vectors.files().items():
             (aside / name).write_text(text, encoding="utf-8")
         write_run_file(aside / RUN_FILE, job.run_file)
-    save_learned(options)
+    job.filters.save_learned()
     counts = {name: len(getattr(vectors, name)) for name in ("events", "accesses", "owned", "passed", "records")}
     if options.json:
         print(json.dumps({"folder": str(folder), "module": vectors.config.module, "parameters": vectors.parameters, **counts}))

@@ -21,7 +21,6 @@ from ..hardware import REACH, WAVES_MS
 from ..options import window_from
 from ..parsing import BROKEN
 from .job import Job, job_from
-from .settings import save_learned
 from .spinner import Counting
 
 __all__ = ["check", "run"]
@@ -42,7 +41,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     with _counting(options), folder_written_aside(folder, "waves") as aside:
         _write(job, window, moment, aside)
         write_run_file(aside / RUN_FILE, job.run_file)
-    save_learned(options)
+    job.filters.save_learned()
     files = sorted(path.name for path in folder.glob("waves.*"))
     if options.json:
         print(json.dumps({"folder": str(folder), "files": files, "first_event": window.first, "last_event": window.last}))
@@ -62,7 +61,7 @@ def check(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         with _counting(options), tempfile.TemporaryDirectory() as folder:
             job, window, moment = _what(options)
             verdicts = judge(properties, _write(job, window, moment, Path(folder)), options.clock)
-        save_learned(options)
+        job.filters.save_learned()
     broken = sum(not verdict.holds for verdict in verdicts)
     if options.json:
         print(json.dumps([verdict._asdict() for verdict in verdicts], indent=2))
@@ -90,9 +89,7 @@ def _what(options: argparse.Namespace, claim: Callable[[str], None] | None = Non
         return job, Window.around(moment.event_index, len(recording.events), reach), moment
     if options.reach is not None:
         raise ConfigError("--reach: must be given with --around")
-    options.from_ms = options.from_ms or 0.0
-    options.to_ms = options.from_ms + WAVES_MS if options.to_ms is None else options.to_ms
-    from_us, to_us = window_from(options)
+    from_us, to_us = window_from(options, WAVES_MS)
     assert to_us is not None
     job = job_from(options, until_us=to_us, claim=claim)
     return job, Window.of_time(job.recording.events, from_us, to_us), None
