@@ -32,7 +32,7 @@ from ...errors import RecordingError
 from ...events import Events
 from .printable import shortened
 from .sensors import chip_sensor, mirrored
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor
 
 __all__ = ["FORMATS", "Aedat2File"]
 
@@ -87,7 +87,7 @@ class _Chip:
     sensor: Sensor
 
 
-class Aedat2File:
+class Aedat2File(AnySensor):
     """The brightness changes of an AEDAT 2.0 or 1.0 file. See `source.Source`.
 
     Raises:
@@ -174,10 +174,6 @@ class Aedat2File:
         if probes != sorted(probes):
             return 0
         return max(0, bisect_left(range(self._count), from_us, key=time_of) - _READ_AHEAD)
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Do nothing: no file stays open between passes."""

@@ -25,7 +25,7 @@ from ...errors import RecordingError
 from ...events import Events
 from .blocks import batches
 from .sensors import chip_sensor
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format
 
 __all__ = ["FORMATS", "MAGIC", "Aedat3File"]
 
@@ -65,7 +65,7 @@ class _Piece(NamedTuple):
     words: NDArray[np.uint32]
 
 
-class Aedat3File:
+class Aedat3File(AnySensor):
     """The brightness changes of an AEDAT 3.1 file, from the first source that has any. See `source.Source`."""
 
     def __init__(self, path: Path) -> None:
@@ -156,10 +156,6 @@ class Aedat3File:
     def _last_us(self, file: BinaryIO, packet: _Packet) -> int:
         file.seek(packet.at + (packet.events - 1) * _EVENT_BYTES + packet.time_at)
         return (packet.turns << _TIME_BITS) + int.from_bytes(file.read(4), "little")
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Do nothing: no file stays open between passes."""

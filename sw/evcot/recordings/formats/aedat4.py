@@ -44,7 +44,7 @@ from .aedat4_metadata import (
 from .blocks import batches, in_order
 from .flatbuffers import root_table, size_prefixed, usual_vector, vector_head
 from .packing import Section, TooLarge, Unpacker
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format
 
 __all__ = ["EVENT", "FORMATS", "MAGIC", "PACKET_HEAD", "Aedat4File", "events_of"]
 
@@ -87,7 +87,7 @@ class _Decoded(NamedTuple):
     unlike: Unlike
 
 
-class Aedat4File:
+class Aedat4File(AnySensor):
     """The first stream of events of an AEDAT4 file. See `source.Source`."""
 
     def __init__(self, path: Path) -> None:
@@ -283,10 +283,6 @@ class Aedat4File:
             raise RecordingError(f"{end - 4} bytes, {stated} by its own length: must be the same")
         if self._table is not None:
             self._differs(self._table.unlike(Spans(np.array([packet.at]), np.array([count]), span[:1], span[1:])))
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Do nothing: no file stays open between passes."""

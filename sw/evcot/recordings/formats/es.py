@@ -22,7 +22,7 @@ from ..._numba_private import njit
 from ...errors import RecordingError
 from ...events import Events
 from .sensors import mirrored
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor
 
 __all__ = ["FORMATS", "MAGIC", "EsFile"]
 
@@ -60,7 +60,7 @@ def _decode(data, atis, t_us, t, x, y, p):  # type: ignore[no-untyped-def]
     return n, at, t_us
 
 
-class EsFile:
+class EsFile(AnySensor):
     """The brightness changes of an ES file; the exposure events of an ATIS are skipped. See `source.Source`."""
 
     def __init__(self, path: Path) -> None:
@@ -96,10 +96,6 @@ class EsFile:
                 yield Events(found.t_us, found.x, mirrored(found.y, height), found.p)
         if rest:
             raise RecordingError(f"ends within an event, at byte {at + len(rest)}; is it cut off?")
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Do nothing: no file stays open between passes."""

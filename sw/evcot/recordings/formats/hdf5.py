@@ -24,7 +24,7 @@ from .hdf5_chunks import Chunks, joined
 from .hdf5_survey import Part, Survey, survey
 from .numeric import UNITS, events_from_numbers, events_from_records, microseconds, whole_numbers
 from .printable import printable, reason
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor
 
 __all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file", "open_rows"]
 
@@ -84,7 +84,7 @@ class Rows:
         return rows
 
 
-class Hdf5File:
+class Hdf5File(AnySensor):
     """An HDF5 file of events as a `source.Source`."""
 
     def __init__(self, path: Path) -> None:
@@ -151,10 +151,6 @@ class Hdf5File:
                 return events
         t, x, y, p = columns
         return events_from_numbers(self._times(t, first_index), x, y, p, first_index, self._t_offset)
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Close the file."""

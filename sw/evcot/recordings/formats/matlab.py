@@ -45,7 +45,7 @@ from .numeric import (
 )
 from .packing import Section
 from .printable import printable, reason
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor
 
 __all__ = ["FORMATS"]
 
@@ -417,7 +417,7 @@ def _read_version_7_3(path: Path, wanted: str | None) -> tuple[_Struct, Any]:
     return (name, columns, others, order), file
 
 
-class _MatlabFile:
+class _MatlabFile(AnySensor):
     """A struct of events as a `source.Source`."""
 
     def __init__(self, path: Path, wanted: str | None = None) -> None:
@@ -470,10 +470,6 @@ class _MatlabFile:
                 p=whole_numbers("p", columns[2] - self._p_first, np.uint8, first, signed=True),
             )
             first += len(ts)
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Close the file."""

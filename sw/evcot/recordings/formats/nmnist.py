@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor
 
 __all__ = ["FORMATS"]
 
@@ -26,7 +26,7 @@ _OVERFLOW_Y, _OVERFLOW_US = 240, 1 << 13
 _SURE = 0.05  # share of the first events that may run back in time
 
 
-class _BinFile:
+class _BinFile(AnySensor):
     """See `source.Source`."""
 
     sensor: Sensor | None = None
@@ -52,10 +52,6 @@ class _BinFile:
                 yield Events(t_us[kept], x[kept], y[kept], p[kept])
         if self._size % _EVENT_BYTES:
             raise RecordingError(f"ends within the event at byte {self._size - self._size % _EVENT_BYTES}; is it cut off?")
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Do nothing: no file stays open between passes."""

@@ -29,7 +29,7 @@ from ...errors import RecordingError
 from ...events import Events
 from .numeric import SAMPLED_ROWS, UNITS, column_order, find_fields, microseconds, order_text, polarities, whole_numbers
 from .numpy_arrays import StoredArray, npy_array, npz_arrays
-from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
 
@@ -55,7 +55,7 @@ class _Column:
         return values & 1 if self.lowest_bit and values.dtype.kind in "iu" else values
 
 
-class _NumpySource:
+class _NumpySource(AnySensor):
     """See `source.Source`.
 
     Args:
@@ -122,10 +122,6 @@ class _NumpySource:
             return int(_microseconds(found, self._power, i)[0]) if len(found) else _LATEST_US
 
         return bisect_left(range(self._count), from_us, key=time_of)
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Do nothing: no file stays open between passes."""

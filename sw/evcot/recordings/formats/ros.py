@@ -18,7 +18,7 @@ from .ros_messages import PACKETS, STAMPED, STAMPED_ENCODING, Packet, Stamped, e
 from .ros_packets import EVT3, PacketDecoder, check_encoding
 from .rosbag1 import MAGIC, Bag1
 from .rosbag2 import MCAP_MAGIC, METADATA, SQLITE_MAGIC, Bag2
-from .source import BLOCK_EVENTS, Format, Sensor
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor
 
 __all__ = ["FORMATS", "RosBag"]
 
@@ -35,7 +35,7 @@ class Bag(Protocol):
     def close(self) -> None: ...
 
 
-class RosBag:
+class RosBag(AnySensor):
     """A bag as a `source.Source`."""
 
     def __init__(self, bag: Bag) -> None:
@@ -73,10 +73,6 @@ class RosBag:
     def remarks(self) -> Sequence[str]:
         """See `source.Source`."""
         return self._bag.remarks
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Close the bag."""

@@ -10,7 +10,7 @@ from typing import BinaryIO, Protocol
 
 from ...events import Events
 
-__all__ = ["BLOCK_EVENTS", "Format", "Sensor", "Sink", "Source", "WritableFormat"]
+__all__ = ["BLOCK_EVENTS", "AnySensor", "Format", "Sensor", "Sink", "Source", "WritableFormat"]
 
 # Approximate number of events per block: enough to amortise the fixed cost of a block, few enough for a core's cache.
 BLOCK_EVENTS = 1 << 15
@@ -62,6 +62,14 @@ class Source(Protocol):
     def close(self) -> None:
         """Close the file."""
         ...
+
+
+class AnySensor:
+    """The part of a `Source` that formats have in common whose files may be of a sensor of any size."""
+
+    def smallest_sensor(self, width: int, height: int) -> Sensor:
+        """See `Source`."""
+        return width, height
 
 
 @dataclass(frozen=True)

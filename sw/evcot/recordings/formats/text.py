@@ -34,7 +34,7 @@ from ._text_kernel import LINE_BYTES, PADDING_BYTES, SHORTEST_LINE_BYTES, UNUSED
 from .blocks import in_order
 from .numeric import SAMPLED_ROWS, UNITS, Naming, column_order, find_fields, order_text, without_unsigned_minus_one
 from .printable import whole_number
-from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
+from .source import BLOCK_EVENTS, AnySensor, Format, Sensor, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE", "Layout"]
 
@@ -231,7 +231,7 @@ class _Parsed(NamedTuple):
     fault: str | None
 
 
-class _TextSource:
+class _TextSource(AnySensor):
     """See `source.Source`. The file is opened anew for each pass, so that passes are independent."""
 
     def __init__(self, path: Path) -> None:
@@ -306,10 +306,6 @@ class _TextSource:
             fault = layout.fault(text[:length].tobytes().split(b"\n", lines + 1)[lines] + b"\n", cell)
         events = events[:count]
         return _Parsed(Events(events.t_us, events.x, events.y, without_unsigned_minus_one(events.p)), lines, fault)
-
-    def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """See `source.Source`."""
-        return width, height
 
     def close(self) -> None:
         """Do nothing: no file stays open between passes."""
