@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
 from evcot.errors import ConfigError, EvcotError, RecordingError
+from evcot.events import check_pixels
 from evcot.hardware.config import HardwareConfig
+from evcot.recordings.formats.source import Sensor
 from evcot.templating import templates
 
 __all__ = [
@@ -28,6 +30,7 @@ __all__ = [
     "Layout",
     "Pattern",
     "Stalls",
+    "check_addresses",
     "check_silence",
     "check_waits",
     "pattern_fields",
@@ -170,6 +173,11 @@ class Stalls:
             patterns.append(pattern)
         return cls(*patterns)
 
+    @classmethod
+    def seeded(cls, seed: int | None) -> Stalls:
+        """Random patterns on every stream, or none without a seed."""
+        return cls() if seed is None else cls.random(np.random.default_rng(seed))
+
 
 def reset(sim: PyVerilator, clocks: int = 2) -> None:
     """Hold rst high for a number of clocks."""
@@ -177,6 +185,22 @@ def reset(sim: PyVerilator, clocks: int = 2) -> None:
     for _ in range(clocks):
         sim.clock.tick()
     sim.io.rst = 0
+
+
+def check_addresses(sensor: Sensor, config: HardwareConfig, name: str) -> None:
+    """Check that addresses in hardware, and memories of trackers and filters, reach every pixel of a sensor (width, height).
+
+    Args:
+        name: of what has this sensor, for the message.
+
+    Raises:
+        ConfigError: too few bits of an address.
+        RecordingError: too many pixels.
+    """
+    check_pixels(*sensor)
+    for name_w, bits, size in (("x_w", config.shape.x_w, sensor[0]), ("y_w", config.shape.y_w, sensor[1])):
+        if size > 1 << bits:
+            raise ConfigError(f"shape.{name_w} = {bits}: too few bits for {size} pixels of {name}")
 
 
 # Limit on gaps between events for hardware: ticks without events cost clocks, and none of them may be left out.

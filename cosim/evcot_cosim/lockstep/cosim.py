@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from evcot.compiling import compiled_aside
 from evcot.digest import EventsDigest
-from evcot.errors import ConfigError, RecordingError
-from evcot.events import Events, Recording, check_pixels
+from evcot.errors import RecordingError
+from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
-from evcot.hardware.config import HardwareConfig, MotionConfig
+from evcot.hardware.config import MotionConfig
 from evcot.hardware.contract import RECORD
 from evcot.hardware.golden import golden_model, to_track_records
 from evcot.recognition.tracker import TrackClassifier
@@ -40,7 +40,7 @@ from evcot.tracks.spooling import rest_of
 from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished
 
-from ..devices.base import HardwareError, Stalls, check_silence
+from ..devices.base import HardwareError, Stalls, check_addresses, check_silence
 from ..devices.device import Device, build_device
 from ..memory import keep_little
 from ..rtl.build import BuiltModel
@@ -53,12 +53,10 @@ __all__ = [
     "CosimRun",
     "LongRun",
     "Measured",
-    "check_addresses",
     "near_px",
     "rerun",
     "run_cosim",
     "run_long",
-    "stalls_from",
 ]
 
 NEAR_PX = 12.0  # of cot_motion and the adaptive tracker, whose windows have no size of their own
@@ -133,22 +131,6 @@ class LongRun(Measured):
     def events(self) -> int:
         """Number of events."""
         return self.hardware.tally.events
-
-
-def check_addresses(sensor: Sensor, config: HardwareConfig, name: str) -> None:
-    """Check that addresses in hardware, and memories of trackers and filters, reach every pixel of a sensor (width, height).
-
-    Args:
-        name: of what has this sensor, for the message.
-
-    Raises:
-        ConfigError: too few bits of an address.
-        RecordingError: too many pixels.
-    """
-    check_pixels(*sensor)
-    for field, bits, size in (("x_w", config.shape.x_w, sensor[0]), ("y_w", config.shape.y_w, sensor[1])):
-        if size > 1 << bits:
-            raise ConfigError(f"shape.{field} = {bits}: too few bits for {size} pixels of {name}")
 
 
 def run_cosim(
@@ -288,7 +270,7 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
     """
     device_config, t0_us = config.device_config(recording.width, recording.height), int(recording.events.t_us[0])
     clock = TickCounter(device_config.tick_us)
-    device = Device(device_config, stalls=stalls_from(found.seed))
+    device = Device(device_config, stalls=Stalls.seeded(found.seed))
     golden = golden_model(device_config)
     hardware, model = LogSpool(None, "hardware"), LogSpool(None, "model")
     hardware.engine = model.engine = device_config.module
@@ -307,11 +289,6 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
         if first > found.event_index:
             break
     return _held(hardware), _held(model)
-
-
-def stalls_from(seed: int | None) -> Stalls:
-    """Random stall patterns on every stream, or none without a seed."""
-    return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
 
 
 def _compile_kernels(sensor: Sensor, config: RunConfig) -> None:
@@ -368,7 +345,7 @@ class _Engines:
         logs: Mapping[str, LogSpool], made_of: EventsDigest | None = None,
     ) -> None:  # fmt: skip
         device_config = config.device_config(*sensor)
-        self.lockstep = Lockstep(device_config, stalls=stalls_from(seed), seed=seed, model=build)
+        self.lockstep = Lockstep(device_config, stalls=Stalls.seeded(seed), seed=seed, model=build)
         self.software = _software_of(sensor, config)
         self.classifier = None if weights is None else TrackClassifier(device_config, weights)
         self.verdicts = [no_verdicts()]

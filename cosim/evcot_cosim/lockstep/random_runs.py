@@ -24,8 +24,8 @@ from evcot.hardware.modules import DEFAULT_MODULE, MODULES, Module
 from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.ticks import TickedEvents
 
+from ..devices.base import Stalls
 from ..rtl.build import BuiltModel
-from .cosim import stalls_from
 from .lockstep import Lockstep, chunks
 
 __all__ = [
@@ -324,7 +324,7 @@ def run_case(case: Case, model: BuiltModel | None = None) -> Lockstep:
     Raises:
         MismatchError: they differ.
     """
-    with Lockstep(case.config, stalls=stalls_from(case.stalls), seed=case.stalls, model=model) as lockstep:
+    with Lockstep(case.config, stalls=Stalls.seeded(case.stalls), seed=case.stalls, model=model) as lockstep:
         for chunk in chunks(case.events):
             lockstep.feed(chunk)
     return lockstep

@@ -14,8 +14,8 @@ from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.outputs import written_aside
 
+from ..devices.base import Stalls
 from ..rtl.build import BuiltModel
-from .cosim import stalls_from
 from .lockstep import dump_window
 from .mismatch import Mismatch, MismatchError
 from .random_runs import Case, run_case
@@ -81,7 +81,7 @@ def write_test(case: Case, mismatch: Mismatch, folder: Path, name: str, model: B
     """
     with written_aside(folder / f"test_{name}.py") as file:
         file.write(_source(case, mismatch, name).encode())
-    stalls, vcd = stalls_from(case.stalls), folder / f"{name}.vcd"
+    stalls, vcd = Stalls.seeded(case.stalls), folder / f"{name}.vcd"
     dump_window(case.events, case.config, vcd, 0, len(case.events) - 1, stalls=stalls, model=model)
 
 

@@ -14,7 +14,8 @@ from evcot.outputs import check_folder, folder_written_aside
 from evcot.recordings.files import write_recording
 from evcot.tracks.log import Kind
 
-from ..lockstep.cosim import CosimRun, rerun, stalls_from
+from ..devices.base import Stalls
+from ..lockstep.cosim import CosimRun, rerun
 from ..lockstep.mismatch import MismatchError
 from ..lockstep.moments import Moment
 from ..lockstep.run_file import RUN_FILE, RunFile, Source, write_run_file
@@ -72,7 +73,7 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
             window = Window.around(moment.event_index, len(run.recording.events), _WAVES_EVENTS)
             write_waves(
                 run.recording.events, run.config.device_config(run.recording.width, run.recording.height), aside, window,
-                stalls=stalls_from(run.seed), name="waves", moment=moment,
+                stalls=Stalls.seeded(run.seed), name="waves", moment=moment,
             )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / SUMMARY)
@@ -103,7 +104,7 @@ def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile,
         window = Window.around(found.event_index, len(recording.events), _MISMATCH_EVENTS)
         write_waves(
             recording.events, config.device_config(recording.width, recording.height), aside, window,
-            stalls=stalls_from(found.seed), name="mismatch", moment=Moment(found.event_index, "mismatch"),
+            stalls=Stalls.seeded(found.seed), name="mismatch", moment=Moment(found.event_index, "mismatch"),
         )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
         summary = summarise_mismatch(found, recording, config, command)

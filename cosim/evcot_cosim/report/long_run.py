@@ -27,7 +27,8 @@ from evcot.tracks.log_files import Extent, save_log
 from evcot.tracks.npz import NpzFile
 from evcot.tracks.parquet import LogFile, check_parquet
 
-from ..lockstep.cosim import LongRun, near_px, stalls_from
+from ..devices.base import Stalls
+from ..lockstep.cosim import LongRun, near_px
 from ..lockstep.moments import Moment
 from ..lockstep.run_file import RUN_FILE, RunFile, Source, write_run_file
 from ..lockstep.summary import SUMMARY, summarise_long, write_summary
@@ -177,6 +178,6 @@ def _write_waves(run: LongRun, folder: Path, head: Recording) -> None:
                 window = Window.around(index, len(head.events), _WAVES_EVENTS)
                 write_waves(
                     head.events, run.config.device_config(*run.sensor), folder, window,
-                    stalls=stalls_from(run.seed), model=run.build, name="waves", moment=moment,
+                    stalls=Stalls.seeded(run.seed), model=run.build, name="waves", moment=moment,
                 )  # fmt: skip
             return

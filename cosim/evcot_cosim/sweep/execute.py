@@ -25,10 +25,10 @@ from evcot.metrics import evaluate
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import TRACK, TrackLog
 
+from ..devices.base import Stalls
 from ..devices.device import build_device
 from ..fpga.devices import DEVICES
 from ..fpga.figures import Figure, load
-from ..lockstep.cosim import stalls_from
 from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
 from ..lockstep.random_runs import Design, random_case, run_case
@@ -184,7 +184,7 @@ def _lockstep(
 ) -> tuple[TrackLog, dict[str, Any]]:
     built = _built(config, savable=True)
     state, t0_us = kept.engine or (None, None)
-    with Lockstep(config, stalls=stalls_from(task.seed), seed=task.seed, model=built) as lockstep:
+    with Lockstep(config, stalls=Stalls.seeded(task.seed), seed=task.seed, model=built) as lockstep:
         if state is not None:
             lockstep.restore(state)
         for block in kept.rest(stream.blocks):

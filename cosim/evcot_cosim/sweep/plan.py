@@ -16,7 +16,7 @@ from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 
-from ..lockstep.cosim import check_addresses
+from ..devices.base import check_addresses
 from ..lockstep.random_runs import Design
 from ..rtl.files import design_fingerprint
 from .axes import RUNS_MAX, Point, grid, latin, uniform

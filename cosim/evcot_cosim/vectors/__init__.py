@@ -20,8 +20,8 @@ from evcot.hardware.streams import pack, pack_events
 from evcot.ticks import TickedEvents
 from evcot.trackers.config import RunConfig
 
+from ..devices.base import check_addresses
 from ..devices.top_device import Command, Op, address_of, configuration, parameters_of, poll_status, write
-from ..lockstep.cosim import check_addresses
 from ..rtl.files import verilog_dir
 
 __all__ = ["FILES", "Access", "Vectors"]

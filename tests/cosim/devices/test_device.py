@@ -26,12 +26,13 @@ from evcot.hardware.model import Decisions
 from evcot.hardware.modules import Module
 from evcot.ticks import TickedEvents
 from evcot.trackers.config import RunConfig
-from evcot.trackers.presets import run_config
+from evcot.trackers.presets import fit, preset, run_config
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import (
     SILENT_CLOCKS_MAX,
     HardwareError,
     Stalls,
+    check_addresses,
     check_silence,
     check_waits,
 )
@@ -91,6 +92,10 @@ class TestStalls:
             np.array_equal(a, b) for a, b in zip(patterns, [again.source, again.cm, again.own, again.passed], strict=True)
         )
         assert len({len(pattern) for pattern in patterns}) == 4
+
+    def test_a_seed_makes_the_same_patterns_again_and_none_stalls_nothing(self) -> None:
+        assert len(Stalls.seeded(None).source) == 0
+        assert np.array_equal(Stalls.seeded(1).source, Stalls.seeded(1).source)
 
     def test_how_often_each_stream_goes_can_be_chosen(self) -> None:
         stalls = Stalls.random(np.random.default_rng(3), (0.1, 0.9, 0.5, 1.0))
@@ -520,3 +525,10 @@ def test_a_day_of_silence_is_driven() -> None:
         lockstep.feed(events_at(0, 1, 86_400_000_000))
         assert lockstep.device.now == 86_400_000_000
         assert lockstep.device.cycle > 82_000
+
+
+def test_addresses_must_reach_the_whole_sensor() -> None:
+    cot = fit(preset("dvs128"), 64, 64).hardware
+    check_addresses((64, 64), cot, "blob")
+    with pytest.raises(ConfigError, match=r"^shape.y_w = 6: too few bits for 65 pixels of blob$"):
+        check_addresses((64, 65), cot, "blob")

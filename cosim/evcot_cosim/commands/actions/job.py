@@ -16,8 +16,7 @@ from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig, load_toml, module_in
 from evcot.trackers.presets import run_config
 
-from ...devices.base import Stalls
-from ...lockstep.cosim import check_addresses, stalls_from
+from ...devices.base import Stalls, check_addresses
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
 from ..options import DEFAULT_SCENE, sensor_from
 from .settings import FilterOptions, check_learning, filters_from
@@ -49,7 +48,7 @@ class Job:
     @property
     def stalls(self) -> Stalls:
         """The stall patterns."""
-        return stalls_from(self.seed)
+        return Stalls.seeded(self.seed)
 
     @property
     def run_file(self) -> RunFile:
