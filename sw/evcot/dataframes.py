@@ -16,41 +16,46 @@ if TYPE_CHECKING:
     import pandas
     import polars
 
-__all__ = ["Columns", "pandas_frame", "polars_frame"]
+__all__ = ["Columns", "Tabular"]
 
 Columns = Mapping[str, NDArray[Any]]
 """Name -> (n,) values; of a masked array of whole numbers, those that are masked are missing."""
 
 
-def pandas_frame(columns: Columns) -> pandas.DataFrame:
-    """A copy of the columns as a frame of pandas; a column with missing values is of its nullable type Int64.
+class Tabular:
+    """Something with columns, which can be copied into a data frame."""
 
-    Raises:
-        ConfigError: pandas is not installed.
-    """
-    pandas = _imported("pandas", "to_pandas")
+    def _columns(self) -> Columns:
+        raise NotImplementedError
 
-    def column(values: NDArray[Any]) -> Any:
-        if np.ma.isMaskedArray(values):
-            return pandas.arrays.IntegerArray(np.ma.getdata(values).copy(), np.ma.getmaskarray(values).copy())
-        return values.copy()
+    def to_pandas(self) -> pandas.DataFrame:
+        """A copy as a frame of pandas; a column with missing values is of its nullable type Int64.
 
-    return pandas.DataFrame({name: column(values) for name, values in columns.items()})
+        Raises:
+            ConfigError: pandas is not installed.
+        """
+        pandas = _imported("pandas", "to_pandas")
 
+        def column(values: NDArray[Any]) -> Any:
+            if np.ma.isMaskedArray(values):
+                return pandas.arrays.IntegerArray(np.ma.getdata(values).copy(), np.ma.getmaskarray(values).copy())
+            return values.copy()
 
-def polars_frame(columns: Columns) -> polars.DataFrame:
-    """A copy of the columns as a frame of Polars, with null for missing values.
+        return pandas.DataFrame({name: column(values) for name, values in self._columns().items()})
 
-    Raises:
-        ConfigError: Polars is not installed.
-    """
-    polars = _imported("polars", "to_polars")
+    def to_polars(self) -> polars.DataFrame:
+        """As `to_pandas`, of Polars, with null for missing values.
 
-    def column(name: str, values: NDArray[Any]) -> Any:
-        column = polars.Series(name, np.ma.getdata(values).copy())
-        return column.set(polars.Series(np.ma.getmaskarray(values)), None) if np.ma.isMaskedArray(values) else column
+        Raises:
+            ConfigError: Polars is not installed.
+        """
+        polars = _imported("polars", "to_polars")
 
-    return polars.DataFrame([column(name, values) for name, values in columns.items()])
+        def column(name: str, values: NDArray[Any]) -> Any:
+            column = polars.Series(name, np.ma.getdata(values).copy())
+            return column.set(polars.Series(np.ma.getmaskarray(values)), None) if np.ma.isMaskedArray(values) else column
+
+        return polars.DataFrame([column(name, values) for name, values in self._columns().items()])
 
 
 def _imported(package: str, method: str) -> Any:

@@ -6,19 +6,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from .dataframes import Columns, pandas_frame, polars_frame
+from .dataframes import Columns, Tabular
 from .errors import RecordingError
 from .page import EVENTS_MAX, HEIGHT_PX, Page
 from .structured import EVENT_CD, array_of, columns_of
-
-if TYPE_CHECKING:
-    import pandas
-    import polars
 
 __all__ = ["Events", "Fault", "Recording", "check_sensor", "find_fault"]
 
@@ -26,8 +22,8 @@ _NEVER = np.iinfo(np.int64).min
 
 
 @dataclass(frozen=True, eq=False)
-class Events:
-    """Events in time order, one array per field.
+class Events(Tabular):
+    """Events in time order, one array per field; one row per event in a data frame.
 
     Attributes:
         t_us: (n,) int64, microseconds, never decreasing.
@@ -115,22 +111,6 @@ class Events:
             RecordingError: a field is missing, unknown or of no whole numbers, or cannot hold a value.
         """
         return array_of((self.t_us, self.x, self.y, self.p), np.dtype(dtype))
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """A copy with one row per event and the columns `t_us`, `x`, `y` and `p`.
-
-        Raises:
-            ConfigError: pandas is not installed.
-        """
-        return pandas_frame(self._columns())
-
-    def to_polars(self) -> polars.DataFrame:
-        """As `to_pandas`.
-
-        Raises:
-            ConfigError: Polars is not installed.
-        """
-        return polars_frame(self._columns())
 
     def _columns(self) -> Columns:
         return {"t_us": self.t_us, "x": self.x, "y": self.y, "p": self.p}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataframes import pandas_frame, polars_frame
+from ..dataframes import Columns, Tabular
 from . import PARQUET
 from .log_files import save_log, write_csv, write_npz
 from .npz import NpzFile
@@ -22,8 +22,6 @@ from .record import DROPPED, TRACK, VERDICT, ClassNames, Kind, no_verdicts
 from .track import Tracks
 
 if TYPE_CHECKING:
-    import pandas
-    import polars
     from matplotlib.figure import Figure
 
     from ..events import Recording
@@ -34,8 +32,9 @@ _RUN = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
-class TrackLog:
-    """Births, moves, merges and losses of all tracks, and the owner of each event.
+class TrackLog(Tabular):
+    """Births, moves, merges and losses of all tracks, and the owner of each event; one row per record in a data frame, with the
+    number of a `Kind` as `kind`.
 
     Attributes:
         engine: name of the engine that wrote it, such as "rct"; the module, such as "cot_motion", for RTL and golden model.
@@ -95,21 +94,8 @@ class TrackLog:
         shown: str = resolve_name("evcot.pictures.picture:log_html")(self)
         return shown
 
-    def to_pandas(self) -> pandas.DataFrame:
-        """The records, one row each, with the fields of `TRACK` as columns; `kind` is the number of a `Kind`.
-
-        Raises:
-            ConfigError: pandas is not installed.
-        """
-        return pandas_frame({name: self.records[name] for name in TRACK.names or ()})
-
-    def to_polars(self) -> polars.DataFrame:
-        """As `to_pandas`.
-
-        Raises:
-            ConfigError: Polars is not installed.
-        """
-        return polars_frame({name: self.records[name] for name in TRACK.names or ()})
+    def _columns(self) -> Columns:
+        return {name: self.records[name] for name in TRACK.names or ()}
 
     def record_runs(self) -> Iterator[NDArray[np.void]]:
         """All records, run by run, as `reading.RecordRuns`."""

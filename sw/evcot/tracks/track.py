@@ -5,17 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, overload
+from typing import NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataframes import Columns, pandas_frame, polars_frame
+from ..dataframes import Columns, Tabular
 from .record import Kind
-
-if TYPE_CHECKING:
-    import pandas
-    import polars
 
 __all__ = ["Box", "Track", "Tracks"]
 
@@ -79,8 +75,10 @@ class Track:
         return Box(*(float(self.records[name][last]) for name in Box._fields))
 
 
-class Tracks(Sequence[Track]):
+class Tracks(Sequence[Track], Tabular):
     """The tracks of a log in order of birth; `TrackLog.tracks`.
+
+    A data frame has one row per track: `id`, `born_us`, `ended_us` and `merged_into`, of which the last two may be missing.
 
     Args:
         records: (m,) of dtype `TRACK`, in time order, which do not change.
@@ -115,22 +113,6 @@ class Tracks(Sequence[Track]):
 
     def __repr__(self) -> str:
         return f"<Tracks: {len(self):,}>"
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """One row per track: `id`, `born_us`, `ended_us` and `merged_into`, of which the last two may be missing (Int64).
-
-        Raises:
-            ConfigError: pandas is not installed.
-        """
-        return pandas_frame(self._columns())
-
-    def to_polars(self) -> polars.DataFrame:
-        """As `to_pandas`, with null for what is missing.
-
-        Raises:
-            ConfigError: Polars is not installed.
-        """
-        return polars_frame(self._columns())
 
     def _columns(self) -> Columns:
         first, last = (self._records[self._order[place]] for place in (self._first, self._end - 1))
