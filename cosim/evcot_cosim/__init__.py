@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import waves
-    from .api import Run as CosimRun
     from .api import cosim
     from .devices.base import HardwareError, Stalls
     from .devices.device import Device, build_device
+    from .lockstep.cosim import CosimRun
     from .lockstep.lockstep import Lockstep, Step, dump_window
     from .lockstep.mismatch import Mismatch, MismatchError
     from .lockstep.run_file import RunFile, Source, read_run_file
@@ -58,9 +58,10 @@ __all__ = [
 
 _NAMES = {
     "": ("waves",),
-    "api": ("Run as CosimRun", "cosim"),
+    "api": ("cosim",),
     "devices.base": ("HardwareError", "Stalls"),
     "devices.device": ("Device", "build_device"),
+    "lockstep.cosim": ("CosimRun",),
     "lockstep.lockstep": ("Lockstep", "Step", "dump_window"),
     "lockstep.mismatch": ("Mismatch", "MismatchError"),
     "lockstep.run_file": ("RunFile", "Source", "read_run_file"),

@@ -3,57 +3,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.events import Recording
-from evcot.page import EVENTS_MAX, HEIGHT_PX, Page
 from evcot.recognition.weights import Weights
 from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import run_config
 
 from .lockstep.cosim import CosimRun, run_cosim
 from .lockstep.run_file import Source
-from .notebook import run_page
-from .report.artifacts import save_run
 
-__all__ = ["Run", "cosim"]
-
-
-@dataclass(frozen=True, repr=False, kw_only=True)
-class Run(CosimRun):
-    """A run that can be saved and shown; `evcot_cosim.CosimRun`."""
-
-    def show(self, *, events_max: int = EVENTS_MAX, height_px: int = HEIGHT_PX) -> Page:
-        """The page of `evcot report` for a notebook, without the waveform.
-
-        Args:
-            events_max: most events in the page, which are spread evenly over the recording.
-            height_px: height of the frame in the notebook.
-
-        Raises:
-            ConfigError: a value outside its range.
-        """
-        return run_page(self, events_max, height_px)
-
-    def _repr_html_(self) -> str:
-        """The run in a notebook: the page that `show` makes."""
-        return self.show()._repr_html_()
-
-    def save(self, folder: Path | str, *, waves: bool = True) -> dict[str, Any]:
-        """Write what `evcot cosim -o FOLDER` writes, and return the summary; a recording made in memory is written, too.
-
-        Files of an older run in the folder are replaced; other files are kept.
-
-        Args:
-            waves: whether to write a waveform, around the first merge, else around the first birth.
-
-        Raises:
-            OutputError: the folder is another command's, or a file cannot be written.
-        """
-        return save_run(self, Path(folder), waves=waves)
+__all__ = ["cosim"]
 
 
 def cosim(
@@ -66,7 +27,7 @@ def cosim(
     slots: int | None = None,
     stall_seed: int | None = None,
     classify: Path | str | None = None,
-) -> Run:
+) -> CosimRun:
     """Run hardware, golden model and software tracker over a recording, as `evcot cosim` does.
 
     Example:
@@ -98,5 +59,4 @@ def cosim(
     elif preset is not None or hardware is not None or slots is not None:
         raise ConfigError("config: must not be given with preset, hardware or slots")
     weights = None if classify is None else Weights.load(classify)
-    run = run_cosim(recording, config, stall_seed=stall_seed, source=origin, weights=weights)
-    return Run(**{field.name: getattr(run, field.name) for field in fields(run)})
+    return run_cosim(recording, config, stall_seed=stall_seed, source=origin, weights=weights)

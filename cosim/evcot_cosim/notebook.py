@@ -37,7 +37,7 @@ def recording_page(recording: Recording, logs: Sequence[TrackLog], events_max: i
 
 
 def run_page(run: CosimRun, events_max: int, height_px: int) -> Page:
-    """See `Run.show`."""
+    """See `CosimRun.show`."""
     sides = Side("hardware", run.hardware), Side("software", run.software)
     truth = truth_of(run.source, run.recording) if run.source is not None else None
     return _page(Material(run.recording, summarise(run, "run.show"), sides, truth), events_max, height_px)
