@@ -75,7 +75,7 @@ def written(folder: Path, vectors: Vectors) -> Path:
 
 
 def bench(folder: Path, verilog: Path | None = None) -> Callable[..., list[str]]:
-    """Compile the bench in Icarus, with the RTL of `rtl.f` or of another folder; returns what runs it and gives what it prints."""
+    """Compile the bench in Icarus, with the RTL of `rtl.f` or of a folder; returns what runs it and gives its lines."""
     rtl = ["-f", "rtl.f"] if verilog is None else [*search_flags(verilog), "vectors_tb.v"]
     warnings = ["-Wall", "-Wno-sensitivity-entire-array", "-Wno-timescale"]
     command = ["iverilog", "-g2005", *warnings, *rtl, "-s", "vectors_tb", "-o", "tb"]
