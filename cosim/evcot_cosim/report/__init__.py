@@ -5,10 +5,10 @@ Data flows one way: `Material` (logs and figures) → `collect` (columns of numb
 """
 
 from ..lockstep.truth import Truth, truth_of
-from .comparison import Run, comparison_of
+from .comparison import ComparedRun, comparison_of
 from .material import Material, Side
 from .page import render, write_report
 
-__all__ = ["REPORT", "Material", "Run", "Side", "Truth", "comparison_of", "render", "truth_of", "write_report"]
+__all__ = ["REPORT", "ComparedRun", "Material", "Side", "Truth", "comparison_of", "render", "truth_of", "write_report"]
 
 REPORT = "report.html"  # its name in the folder of a run

@@ -19,15 +19,15 @@ from ..lockstep.cosim import NEAR_PX
 from ..lockstep.truth import Truth
 from ..lockstep.verdict import Verdict, verdict_by, verdict_of
 from .facts import METRICS, figure, flat
-from .material import PAIR, Comparison, Difference, Material, Side
+from .material import PAIR, Difference, Material, RunComparison, Side
 
-__all__ = ["Run", "comparison_of"]
+__all__ = ["ComparedRun", "comparison_of"]
 
 _SETTINGS = ("hardware", "slots", "seed")  # of the summary, beside its config
 
 
 @dataclass(frozen=True)
-class Run:
+class ComparedRun:
     """One of the runs: its name, usually the folder's, its folder as typed, its summary, and the log of its hardware."""
 
     name: str
@@ -36,7 +36,7 @@ class Run:
     hardware: TrackLog
 
 
-def comparison_of(recording: Recording, a: Run, b: Run, truth: Truth | None) -> Material:
+def comparison_of(recording: Recording, a: ComparedRun, b: ComparedRun, truth: Truth | None) -> Material:
     """The material of a page that compares two runs of a recording.
 
     Raises:
@@ -54,7 +54,7 @@ def comparison_of(recording: Recording, a: Run, b: Run, truth: Truth | None) -> 
     names = list(dict.fromkeys([*settings[0], *settings[1]]))
     rows = [(name, settings[0].get(name, "–"), settings[1].get(name, "–")) for name in names]
     figures = [*_scores(scored), *_qualities(verdicts), *_speeds(a.summary, b.summary)]
-    comparison = Comparison(
+    comparison = RunComparison(
         (a.name, b.name),
         _headline(verdicts, scored),
         figures,
@@ -66,7 +66,7 @@ def comparison_of(recording: Recording, a: Run, b: Run, truth: Truth | None) -> 
     return Material(recording, summary | {"truth": scored}, sides, truth, comparison)
 
 
-def _verdict(recording: Recording, run: Run, scored: Mapping[str, Any] | None, name: str) -> Verdict:
+def _verdict(recording: Recording, run: ComparedRun, scored: Mapping[str, Any] | None, name: str) -> Verdict:
     """The verdict of a run's hardware, with the truth where there is one."""
     known = dict(run.summary)
     known.pop("truth", None)
@@ -86,7 +86,7 @@ def _headline(verdicts: list[Verdict], scored: Mapping[str, Any] | None) -> str:
     return "A is better" if a > b else "B is better" if b > a else "A and B are as good"
 
 
-def _agreement(recording: Recording, a: Run, b: Run) -> Agreement:
+def _agreement(recording: Recording, a: ComparedRun, b: ComparedRun) -> Agreement:
     t_us = recording.events.t_us
     slots = [run.summary.get("config", {}).get("hardware", {}).get("slots", [{}])[0] for run in (a, b)]
     reach_px = max((slot["init_radix"] + slot["radix_th"] for slot in slots if slot), default=NEAR_PX)

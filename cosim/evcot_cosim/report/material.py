@@ -15,7 +15,7 @@ from evcot.tracks.log import TrackLog
 
 from ..lockstep.truth import Truth
 
-__all__ = ["PAIR", "Comparison", "Difference", "Material", "Side", "side_name", "side_names"]
+__all__ = ["PAIR", "Difference", "Material", "RunComparison", "Side", "side_name", "side_names"]
 
 PAIR = ("a", "b")  # names of the two runs' hardware in a comparison
 
@@ -44,7 +44,7 @@ class Difference(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Comparison:
+class RunComparison:
     """Two runs side by side.
 
     Attributes:
@@ -83,7 +83,7 @@ class Material:
     summary: Mapping[str, Any]
     sides: tuple[Side, ...]
     truth: Truth | None = None
-    comparison: Comparison | None = None
+    comparison: RunComparison | None = None
     files: tuple[tuple[str, int], ...] = ()
 
     def __post_init__(self) -> None:

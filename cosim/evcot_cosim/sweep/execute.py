@@ -41,7 +41,7 @@ from .inputs import Stream, opened, truth_of
 from .machine import code_of
 from .task import FUZZ, Task, canonical, configuration
 
-__all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
+__all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "TaskResult", "execute", "row_of", "tracked"]
 
 
 _FAMILY = DEVICES["ecp5-25"].synthesis
@@ -86,7 +86,7 @@ DONE, FAILED, INVALID, MISMATCH = "done", "failed", "invalid", "mismatch"
 _ONE_AT_A_TIME = Lock()  # warnings are caught per process, and inputs are kept
 
 
-class Tracked(NamedTuple):
+class TaskResult(NamedTuple):
     """What a run leaves: the log's records, counts of owners by what became of events, and what the hardware measured.
 
     Attributes:
@@ -158,7 +158,7 @@ def _measured(task: Task) -> dict[str, Any]:
     return figures
 
 
-def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
+def tracked(task: Task, stream: Stream, *, whole: bool = False) -> TaskResult:
     """Run a task's engine over a stream; after a checkpoint of the same task, over what follows it.
 
     Memory is that of the records, unless `whole`: events and owners are kept, too, and there are no checkpoints.
@@ -176,7 +176,7 @@ def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
                     kept.keep(lambda: tracker)
             log = kept.log(task.engine, tracker.finish())
             measured = hardware_cost(task.engine, settings.hardware.shape.n_slots) if task.engine in MODULES else {}
-        return Tracked(log, kept.counts(), {**measured, **kept.spent}, kept.events)
+        return TaskResult(log, kept.counts(), {**measured, **kept.spent}, kept.events)
 
 
 def _lockstep(

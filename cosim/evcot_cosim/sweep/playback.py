@@ -19,7 +19,7 @@ from ..lockstep.random_runs import Design, random_case
 from ..lockstep.shrink import difference_in, shrunk, write_test
 from ..report import Material, Side, Truth, write_report
 from ..rtl.files import versions
-from .execute import Tracked, execute, tracked
+from .execute import TaskResult, execute, tracked
 from .fields import RTL
 from .folder import MISMATCHES, PLAYBACK, spec_of
 from .inputs import opened, truth_of
@@ -130,7 +130,7 @@ def _material(row: Mapping[str, Any]) -> Material:
     task = Task.from_json(row["task"])
     assert task.input is not None
     with opened(task.input) as stream:
-        found: Tracked = tracked(task, stream, whole=True)
+        found: TaskResult = tracked(task, stream, whole=True)
         scored = truth_of(task.input, stream.sensor, stream.first_us)
     events = _joined(found.events)
     recording = Recording(events, *stream.sensor, Path(task.input.name).stem)

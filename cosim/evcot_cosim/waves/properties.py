@@ -13,13 +13,13 @@ from evcot.errors import ConfigError
 
 from . import Samples, Wave, WaveformError, handshake_stable
 
-__all__ = ["Verdict", "judge", "load_properties"]
+__all__ = ["PropertyVerdict", "judge", "load_properties"]
 
 PREFIX = "property_"  # a function whose name begins so is a property
 Property = Callable[[Samples], Any]
 
 
-class Verdict(NamedTuple):
+class PropertyVerdict(NamedTuple):
     """Result of a property: whether it holds, the number of cases if it returns that, else the message."""
 
     name: str
@@ -56,7 +56,7 @@ def _properties(names: Mapping[str, Any]) -> dict[str, Property]:
     return {name.removeprefix(PREFIX): f for name, f in names.items() if name.startswith(PREFIX) and inspect.isfunction(f)}
 
 
-def judge(properties: Mapping[str, Property], vcd: Path, clock: str) -> list[Verdict]:
+def judge(properties: Mapping[str, Property], vcd: Path, clock: str) -> list[PropertyVerdict]:
     """Check every property on a waveform sampled on a clock. A failed `assert` counts as a failed property.
 
     Raises:
@@ -68,11 +68,11 @@ def judge(properties: Mapping[str, Property], vcd: Path, clock: str) -> list[Ver
     for name, function in properties.items():
         try:
             cases = function(samples)
-            verdicts.append(Verdict(name, True, cases if isinstance(cases, int) else 0, ""))
+            verdicts.append(PropertyVerdict(name, True, cases if isinstance(cases, int) else 0, ""))
         except WaveformError as error:
-            verdicts.append(Verdict(name, False, 0, str(error)))
+            verdicts.append(PropertyVerdict(name, False, 0, str(error)))
         except AssertionError as error:
-            verdicts.append(Verdict(name, False, 0, str(error) or _one_line(None, error)))
+            verdicts.append(PropertyVerdict(name, False, 0, str(error) or _one_line(None, error)))
         except Exception as error:
             raise ConfigError(_one_line(Path(function.__code__.co_filename), error)) from error
     return verdicts

@@ -22,7 +22,7 @@ from .parquet import LogFile
 from .spool import LogColumns
 from .timeline import OPEN, SAMPLE, by_life, expiring, lifetimes, sample
 
-__all__ = ["AnyLog", "LogParts", "Window", "life_lengths", "sampled", "windows"]
+__all__ = ["AnyLog", "LogParts", "LogWindow", "life_lengths", "sampled", "windows"]
 
 AnyLog = LogColumns | LogFile | NpzFile
 """A log that can be read run by run: in memory, while it grows, or in a file."""
@@ -138,7 +138,7 @@ _EVER_US = 1 << 61
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class LogWindow:
     """A log in which states expire, complete for the times from `from_us` up to, without, `until_us`."""
 
     from_us: int
@@ -146,7 +146,7 @@ class Window:
     states: TrackLog
 
 
-def windows(runs: Iterable[NDArray[np.void]], max_age_us: int) -> Iterator[Window]:
+def windows(runs: Iterable[NDArray[np.void]], max_age_us: int) -> Iterator[LogWindow]:
     """Cut the whole of time into windows.
 
     Args:
@@ -158,9 +158,9 @@ def windows(runs: Iterable[NDArray[np.void]], max_age_us: int) -> Iterator[Windo
         if not len(records):
             continue
         every, until_us = np.concatenate((newest, records)), int(records["t_us"][-1])
-        yield Window(from_us, until_us, _expiring(every, max_age_us))
+        yield LogWindow(from_us, until_us, _expiring(every, max_age_us))
         newest, from_us = _newest(every, until_us - max_age_us), until_us
-    yield Window(from_us, _EVER_US, _expiring(newest, max_age_us))
+    yield LogWindow(from_us, _EVER_US, _expiring(newest, max_age_us))
 
 
 def sampled(runs: Iterable[NDArray[np.void]], times_us: NDArray[np.int64], max_age_us: int) -> NDArray[np.void]:

@@ -22,7 +22,7 @@ from evcot.tracks.log_files import Extent, open_log
 
 from ...lockstep.run_file import RUN_FILE, Source, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
-from ...report import REPORT, Material, Run, Side, Truth, comparison_of, truth_of, write_report
+from ...report import REPORT, ComparedRun, Material, Side, Truth, comparison_of, truth_of, write_report
 from ...report.artifacts import files_of
 from ...report.long_run import write_long_logs
 from ...report.material import side_name, side_names
@@ -145,7 +145,7 @@ def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
             raise ConfigError(f"{folder}: ended in a mismatch of hardware and model: must be a complete run")
         log = TrackLog.load(path)
         check_logs([(path, log)], source.recording, Extent.of([recording.events]))
-        runs.append(Run(folder.name or str(folder), str(folder), summary, log))
+        runs.append(ComparedRun(folder.name or str(folder), str(folder), summary, log))
     return comparison_of(recording, runs[0], runs[1], _truth(options, source, recording))
 
 

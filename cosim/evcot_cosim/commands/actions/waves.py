@@ -15,7 +15,7 @@ from evcot.outputs import RUN_FILE, folder_written_aside
 from ...lockstep.moments import Moment, find_moment
 from ...lockstep.run_file import write_run_file
 from ...tables import print_table
-from ...waves.properties import Verdict, judge, load_properties
+from ...waves.properties import PropertyVerdict, judge, load_properties
 from ...waves.window import Window, wave_names, write_waves
 from ..hardware import REACH, WAVES_MS
 from ..options import window_from
@@ -114,7 +114,7 @@ def _waveform(options: argparse.Namespace) -> Path | None:
     return left if whole else None
 
 
-def _report(verdicts: Sequence[Verdict]) -> None:
+def _report(verdicts: Sequence[PropertyVerdict]) -> None:
     print_table([("property", "cases", ""), *((v.name, f"{v.cases:,}", "holds" if v.holds else "BROKEN") for v in verdicts)])
     for verdict in verdicts:
         if not verdict.holds:
