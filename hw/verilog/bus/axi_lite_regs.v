@@ -164,6 +164,7 @@ module axi_lite_regs #(
     localparam [31:0] LAST_Y   = HEIGHT - 1;
     localparam [31:0] RECENT   = RECENT_DEPTH - 1;
     localparam [31:0] DEPTH    = FIFO_DEPTH;
+    localparam [31:0] MASKS    = (HAS >> `EVCOT_FILTER_MASK) & 1;  // the filter of masked pixels is built
 
 `include "evcot_limits.vh"
 
@@ -299,12 +300,12 @@ module axi_lite_regs #(
     wire [31:0] legal = over ? high : under ? {{(32 - LOW_W) {1'b0}}, low} : merged;
 
     always @(posedge clk) begin
-        over    <= merged > high;
+        over    <= high < merged;
         bank_pending <= |(pending & chosen);
         under   <= merged[31:LOW_W] == {(32 - LOW_W) {1'b0}} && merged[LOW_W-1:0] < low;
         fixed   <= MOTION != 0 && in_slot && !at_commit && merged == {30'd0, `EVCOT_MODE_FIXED};
 
-        off_sensor <= marks && (merged[15:0] > LAST_X[15:0] || {1'b0, merged[30:16]} > LAST_Y[15:0]);
+        off_sensor <= marks && (LAST_X[15:0] < merged[15:0] || LAST_Y[15:0] < {1'b0, merged[30:16]});
     end
 
     wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
@@ -512,13 +513,14 @@ module axi_lite_regs #(
                 end
             end
             FETCH: begin
+                result      <= 32'd0;
                 compares    <= 4'd0;
                 contradicts <= 1'b0;
                 state       <= LOOK;
             end
             LOOK:  state <= MERGE;
             MERGE: begin
-                result <= stored & {32{known}};
+                if (known) result <= stored;
                 merged <= (data & lanes) | (stored & ~lanes & {32{shadowed || words_keeps}});
                 error  <= !known && slverr;
                 state  <= !request_write ? ANSWER : (commits && in_motion) ? RULES : WEIGH;
@@ -528,13 +530,13 @@ module axi_lite_regs #(
             else begin
                 compares <= compares + 4'd1;
                 if (!came[0]) less <= motion_doubled(in_tracks, came[2:0]) ? {in_shadow[30:0], 1'b0} : in_shadow;
-                else if (!came[3] && less > in_shadow) contradicts <= 1'b1;
+                else if (!came[3] && in_shadow < less) contradicts <= 1'b1;
                 if (came == {1'b0, in_tracks ? TRACKS_COMPARED : MOTION_COMPARED}) state <= WEIGH;
             end
             WEIGH: state <= CHECK;
             CHECK: begin
                 error <= faulty && slverr;
-                if (acts && marks && !locked && !off_sensor) begin
+                if (MASKS != 32'd0 && acts && marks && !locked && !off_sensor) begin
                     filter_cfg_valid <= 1'b1;
                     cfg_addr         <= {1'b0, `EVCOT_FREG_MASK};
                     cfg_data         <= merged;
