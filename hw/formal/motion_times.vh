@@ -13,8 +13,8 @@ quick = true
 
 [[faults]]
 meaning = "it goes on for one bit more"
-right = "if (left != 6'd0) other"
-wrong = "if (left != 6'd63) other"
+right = "divides && left != 6'd0"
+wrong = "divides && left != 6'd63"
 breaks = ["divides"]
 within = 14
 */

@@ -39,7 +39,7 @@ module motion_times #(
     input  wire              seed,       // the deadline is in detect_ticks
     input  wire              leave,      // the deadline is in return_ticks
     input  wire              correct,    // takes ticks, or a quarter of what they are more; if they are 1 only at first
-    input  wire              first,
+    input  wire              first,      // from the clock before
     output reg  [23:0]       usual,
     input  wire [23:0]       detect_ticks,
     input  wire [3:0]        life_log2,
@@ -76,8 +76,11 @@ module motion_times #(
     reg               over, shorter, longer;  // 24 bits; less than life_ticks; more than coast_ticks
     reg  [3:0]        grow_left;
     reg  [23:0]       grant, granted;
+    wire             doubles = grows && grow_left != 4'd0;
+    wire             halves  = divides && left != 6'd0;
     wire [TIME_W:0] ahead = {age[TIME_W-1], age} - {other[TIME_W-1], other};
     reg  [24:0]       slower_by;
+    wire [23:0]       next_usual;
 
     wire [UNTIL_W-1:0] late  = counted - its_deadline;
     wire [UNTIL_W-1:0] spare = deadline - its_deadline;
@@ -113,6 +116,18 @@ module motion_times #(
         .read_data    (its_deadline)
     );
 
+    // slower_by is 0 at first.
+    array_sum #(
+        .W    (24),
+        .ROUND(0)
+    ) u_usual (
+        .a     ({slower_by[24], slower_by[24:2]}),
+        .choice(first),
+        .one   ({ticks, 1'b0}),
+        .other ({usual, 1'b0}),
+        .y     (next_usual)
+    );
+
     // What is granted is 0 but when a deadline is set.
     array_sum #(
         .W    (UNTIL_W),
@@ -134,14 +149,13 @@ module motion_times #(
         instant <= ticks[23:1] == 23'd0;
         silent <= |age[TIME_W-1:25] || {usual, 1'b0} < age[24:0];
 
-        slower_by <= {1'b0, ticks} - {1'b0, usual};
+        slower_by <= first ? 25'd0 : {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
-        if (correct && (first || !instant)) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
+        if (correct && (first || !instant)) usual <= next_usual;
 
         // The time until the deadline is shifted, then limited, then added.
         grants <= correct;
         if (grants) begin
-            grant     <= usual;
             over      <= 1'b0;
             grow_left <= life_log2;
             grows     <= 1'b1;
@@ -149,27 +163,26 @@ module motion_times #(
         if (grows) begin
             grow_left <= grow_left - 4'd1;
             if (grow_left == 4'd0) grows <= 1'b0;
-            else {over, grant} <= {over || grant[23], grant[22:0], 1'b0};
+            else over <= over || grant[23];
         end
+        if (grants || doubles) grant <= doubles ? {grant[22:0], 1'b0} : usual;
         limits  <= grows && grow_left == 4'd0;
         shorter   <= !over && grant < life_ticks;
         longer    <= over || coast_ticks < grant;
         chooses <= limits;
         if (seed || leave || chooses)
             granted <= seed ? detect_ticks : leave ? return_ticks : shorter ? life_ticks : longer ? coast_ticks : grant;
-        else if (adds) granted <= 24'd0;
         adds <= chooses || seed || leave;
         if (adds || hold) deadline <= next_deadline;
 
-        if (take) other <= age;
+        if (take || halves) other <= halves ? {1'b0, other[TIME_W-1:1]} : age;
         if (divide) begin
             left    <= down;
             divides <= 1'b1;
         end
         if (divides) begin
             left <= left - 6'd1;
-            if (left != 6'd0) other <= {1'b0, other[TIME_W-1:1]};
-            else divides <= 1'b0;
+            if (left == 6'd0) divides <= 1'b0;
         end
         dividing <= divide || divides;
         older   <= ahead[TIME_W];
@@ -185,8 +198,8 @@ module motion_times #(
             adds     <= 1'b0;
             divides  <= 1'b0;
             dividing <= 1'b0;
-            granted  <= 24'd0;
         end
+        if (rst || (adds && !seed && !leave && !chooses)) granted <= 24'd0;
     end
 
     wire unused = &{1'b0, slower_by, ahead[TIME_W-1:0], late, spare};

@@ -88,11 +88,11 @@ def test_corrections_and_the_deadline(part: Any) -> None:
         pulse("keep_now")
         io.now, io.counted = then + age, (then + age) % LAP
         io.loaded = min(age, (1 << 24) - 1) if rng.random() < 0.5 else int(rng.integers(1 << 24)) >> int(rng.integers(24))
+        io.first = int(rng.integers(2))
         pulse("load", clocks=6)
         ticks = max(1, min(age, (1 << 24) - 1))
         assert (int(io.age), int(io.ticks), int(io.beyond)) == (age, ticks, int(age >= 1 << 24))
         assert int(io.silent) == (age > 2 * int(io.loaded))
-        io.first = int(rng.integers(2))
         usual = usual_of(int(io.loaded), ticks, bool(io.first))
         assert int(io.instant) == (ticks == 1)
         pulse("correct", clocks=8 + int(io.life_log2))
