@@ -116,6 +116,8 @@ module motion_turn #(
     reg  [TIME_W+SLOT_W-1:0] step_end;  // the last part before the next step but one, or with `restep` before the next
     wire [TIME_W+SLOT_W-1:0] until_step = last_slot ? {{(TIME_W - 20) {1'b0}}, step_mask, {SLOT_W{1'b1}}}
                                                     : {{(TIME_W + SLOT_W - 20) {1'b0}}, step_mask};
+    // Of the next step, or `now`: a step never comes in the clock behind must_end, nor in one of restep_3.
+    wire [TIME_W+SLOT_W-1:0] from   = restep_3 || must_end ? {now, {SLOT_W{1'b0}}} : step_at;
     wire [DUE_W-1:0]  step_over = next_step[DUE_W-1:0] - due_tick;
     wire              known     = !due_any || due_valid;  // whether something is due
     wire              is_due    = due_valid && (reached || forces || must_end || (q_runs && q_late) || (q_due && step_late));
@@ -131,7 +133,7 @@ module motion_turn #(
     assign op_step     = (steps && (lives || pauses)) || (ends_life && lives);
     assign next_step   = step_at[SLOT_W+:TIME_W];
     assign work_slot   = must_end ? end_slot : step_slot;
-    assign work_time   = must_end ? now : next_step;
+    assign work_time   = from[SLOT_W+:TIME_W];
     assign works       = may_step || may_end;
     assign quiet       = state == RUN && !effects && !wrote && !any_restart && !restarts && !must_end && !forces
                       && !restep_1 && !restep_2 && !restep_3 && !restep;
@@ -218,7 +220,7 @@ module motion_turn #(
         restep_2  <= restep_1;  // step_mask follows
         restep_3  <= restep_2;
         restep    <= restep_3;
-        step_end  <= (restep_3 ? {now, {SLOT_W{1'b0}}} : step_at) | until_step;
+        step_end  <= from | until_step;
         if (steps || restep) step_at <= step_end + {{(TIME_W + SLOT_W - 1) {1'b0}}, 1'b1};
 
         if (rst) begin

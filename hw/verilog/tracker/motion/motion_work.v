@@ -120,6 +120,8 @@ module motion_work #(
     reg resting;           // the velocity is 0
     localparam UNTIL_W = 32;    // bits of a deadline: as many as the shortest time has
     reg [UNTIL_W-1:0] paused;   // the length of all empty periods that do not count for deadlines
+    reg [19:0] step_mask;       // the length of a period, less a tick
+    wire [UNTIL_W:0] paused_next = {paused, 1'b1} + {{(UNTIL_W - 20) {1'b0}}, step_mask, 1'b1};
     reg [UNTIL_W-1:0] counted;  // job_time, as it counts for deadlines
     wire instant;          // no more than a tick since the last correction
     wire [1:0] state;
@@ -130,7 +132,8 @@ module motion_work #(
         keeps_start <= c_keep_start;
         may_return <= regs[`MOTION_RETURN_TICKS] != 24'd0;
         resting    <= v == 32'd0;
-        if (begun && job_flag && job_kind[1]) paused <= paused + {{(UNTIL_W - 21) {1'b0}}, 21'd1 << regs[`MOTION_STEP_LOG2]};  // of at most 2^20 ticks
+        step_mask  <= ~(20'hfffff << regs[`MOTION_STEP_LOG2]);  // as in motion_turn.v
+        if (begun && job_flag && job_kind[1]) paused <= paused_next[UNTIL_W:1];
         counted    <= job_time[UNTIL_W-1:0] - paused;
         if (rst) begin
             paused  <= {UNTIL_W{1'b0}};
@@ -264,7 +267,8 @@ module motion_work #(
     // one after the other: x with read_done, y with was_read.
     localparam [1:0]    VISIBLE = 2'd2;
     reg                 known;  // the velocity of the slot counts
-    reg  [2*SIDE_W-1:0] read_sides, read_refs, moves;
+    reg  [2*SIDE_W-1:0] read_begun, read_kept;  // of the job, or of another slot: the other is 0
+    reg  [2*SIDE_W-1:0] read_refs, moves;
     reg                 moves_y;
     reg  [SUP_W-1:0]    other_support;
     wire [4*SIDE_W-1:0] o_sides;
@@ -296,7 +300,8 @@ module motion_work #(
     always @(posedge clk) begin
         was_read   <= read_done;
         known      <= state == VISIBLE || corrections >= 6'd4;
-        read_sides <= of_job ? begun_sides : q_sides;
+        read_begun <= of_job ? begun_sides : {(2 * SIDE_W) {1'b0}};
+        read_kept  <= of_job ? {(2 * SIDE_W) {1'b0}} : q_sides;
         read_refs  <= q_refs;
         moves_y    <= f_y;
         for (k = 0; k < 2; k = k + 1) moves[k*SIDE_W+:SIDE_W] <= f_sides[k*SIDE_W+:SIDE_W] - job_axis[k*SIDE_W+:SIDE_W];
@@ -362,7 +367,7 @@ module motion_work #(
         .rub        (c_rub),
         .x          (job_x),
         .y          (job_y),
-        .r_sides    (read_sides),
+        .r_sides    (read_begun | read_kept),
         .r_refs     (read_refs),
         .m_v        (q_v),
         .v_next     (v_next),
@@ -722,7 +727,7 @@ module motion_work #(
         .appears      (appears)
     );
 
-    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden, shorter};
+    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE], hidden, shorter, paused_next[0]};
 
 endmodule
 
