@@ -163,8 +163,8 @@ module motion_axis #(
         .y    (hi_near)
     );
 
-    // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
-    wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
+    // The pixels from that of the low side, which is rounded to nearest: half a pixel is the carry.
+    wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b0} - {lo[SIDE_W-1], lo[SIDE_W-1:11]};
     wire [PX_W:0]   in_bins    = from >> log2_4;
 
     always @(posedge clk) begin

@@ -121,12 +121,24 @@ module motion_events #(
 
     // ---- what follows from the registers -------------------------------------------------------------------------------
 
-    reg  [16:0]       out, back;    // ways of a side
+    reg  [16:0]       out;          // ways of a side
+    wire [16:0]       back;
+    wire [33:0]       backs;        // 2^15 times back: a shift to the right is a product with a power of two
     reg               counts;       // events are counted in bins
-    wire [15:0]       share = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
+
+    assign back = backs[15+:17];
+
+    multiplier #(
+        .A_W(17),
+        .B_W(17)
+    ) u_back (
+        .clk(clk),
+        .a  ({1'b0, regs[`MOTION_SIDE_STEP]}),
+        .b  (17'h8000 >> regs[`MOTION_SIDE_SHARE]),
+        .p  (backs)
+    );
 
     always @(posedge clk) begin
-        back   <= {1'b0, share};
         out    <= {1'b0, regs[`MOTION_SIDE_STEP] - back[15:0]};
         counts <= regs[`MOTION_GAP_CORRECTIONS] != 8'd0;
     end
@@ -412,7 +424,7 @@ module motion_events #(
         .bin     (bin_y)
     );
 
-    wire unused = &{1'b0, regs};
+    wire unused = &{1'b0, regs, backs};
 
     // ---- behind: the bins ------------------------------------------------------------------------------------------------
 

@@ -75,15 +75,47 @@ module motion_pace #(
     // ---- the pipeline: an axis enters it in every second clock and goes through its stages 3 to 5 twice ------------------------
 
     reg  signed [WAS_W-1:0]    way_1;
-    reg  signed [PACE_W-1:0]   way_2, step_4, mean_5, mean_6, mean_7, mean_8, mean_9;
-    reg  signed [PACE_W:0]     more_3;
-    reg                        half_4;      // what is rounded off is half or more: step_4 is one more
-    wire signed [PACE_W:0]     part_3  = more_3 >>> slow;
+    reg  signed [PACE_W-1:0]   way_2, mean_5, mean_6, mean_7, mean_8, mean_9;
+    wire        [PACE_W:0]     more_2;
+    wire        [PACE_W+5:0]   steps_4;     // 16 times the step: a shift to the right is a product with a power of two
+    wire        [PACE_W-1:0]   step_4  = steps_4[4+:PACE_W];
+    wire                       half_4  = steps_4[3];  // what is rounded off is half or more: step_4 is one more
     reg                        again;       // in stages 2 and 4: the mean of the mean
     wire                       is_wide = way_1[WAS_W-1:PACE_W-1] != {(WAS_W + 1 - PACE_W) {way_1[WAS_W-1]}};
     wire signed [PACE_W-1:0]   value   = again ? stated : pace;
-    wire signed [PACE_W-1:0]   aim     = again ? mean_6 : way_2;
-    wire        [PACE_W:0]     sum_4   = {value, 1'b1} + {step_4, half_4};
+    wire        [PACE_W-1:0]   sum_4;
+    wire        [1:0]          next_slow = followed[2] ? 2'd3 : too_slow ? slow - 2'd1 : slow;
+
+    // aim - value: a - b is a + ~b + 1.
+    array_sum #(
+        .W(PACE_W + 1)
+    ) u_more (
+        .a     ({!value[PACE_W-1], ~value}),
+        .choice(again),
+        .one   ({mean_6[PACE_W-1], mean_6, 1'b1}),
+        .other ({way_2[PACE_W-1], way_2, 1'b1}),
+        .y     (more_2)
+    );
+
+    multiplier #(
+        .A_W(PACE_W + 1),
+        .B_W(5)
+    ) u_steps (
+        .clk(clk),
+        .a  (more_2),
+        .b  (5'd8 >> next_slow),
+        .p  (steps_4)
+    );
+
+    array_sum #(
+        .W(PACE_W)
+    ) u_mean (
+        .a     (step_4),
+        .choice(again),
+        .one   ({stated, half_4}),
+        .other ({pace, half_4}),
+        .y     (sum_4)
+    );
 
     function [ADDR_W-1:0] place;
         input [SLOT_W-1:0] slot;
@@ -133,21 +165,15 @@ module motion_pace #(
         speed   <= speed_2 < speed_1 ? speed_1 : speed_2;
         shorter <= side_x < side_y ? side_x : side_y;
         if (followed[2]) begin
-            slow     <= 2'd3;  // SLOW_MAX
             way_slow <= {{(SIDE_W - PACE_W - SLOW_MAX) {1'b0}}, speed, {SLOW_MAX{1'b0}}};
-        end else if (too_slow) begin
-            slow     <= slow - 2'd1;
-            way_slow <= way_slow >> 1;
-        end
+        end else if (too_slow) way_slow <= way_slow >> 1;
+        slow <= next_slow;
 
         // Of the axes that are read 3 and 4 clocks after `follow`: both come by again in every second clock.
         way_1  <= sum - was;
         way_2  <= is_wide ? {way_1[WAS_W-1], {(PACE_W - 1) {!way_1[WAS_W-1]}}} : way_1[PACE_W-1:0];
         again  <= followed[8] || followed[9] || followed[10] || followed[11];
-        more_3 <= {aim[PACE_W-1], aim} - {value[PACE_W-1], value};
-        step_4 <= part_3[PACE_W:1];
-        half_4 <= part_3[0];
-        mean_5 <= sum_4[PACE_W:1];
+        mean_5 <= sum_4;
         {mean_9, mean_8, mean_7, mean_6} <= {mean_8, mean_7, mean_6, mean_5};
         if (rst) begin
             on_y     <= 1'b0;
@@ -156,7 +182,7 @@ module motion_pace #(
         end
     end
 
-    wire unused = &{1'b0, sum_x[SIDE_W:WAS_W], sum_y[SIDE_W:WAS_W], sum_4[0]};
+    wire unused = &{1'b0, sum_x[SIDE_W:WAS_W], sum_y[SIDE_W:WAS_W], steps_4};
 
 endmodule
 

@@ -113,10 +113,10 @@ module motion_sides #(
     reg signed [SIDE_W-1:0] lo_a, hi_a, lo_b, hi_b, new_lo, new_hi;
     reg signed [SIDE_W:0]   ref_lo_a, ref_hi_a;
     wire [SIDE_W:0]         next_ref_lo, next_ref_hi;
-    reg signed [15:0]       v_a, v_part;
-    reg signed [15:0]       v_less, v_slow;    // of the axis behind
+    reg signed [15:0]       v_a, v_less;
+    wire signed [15:0]      v_part, v_slow;    // v_slow of the axis behind
     reg signed [SIDE_W:0]   apart;             // of the axis in front, as sum
-    reg        [SIDE_W-1:0] part;              // of the axis behind
+    wire       [SIDE_W-1:0] part;              // of the axis behind, if it is not inverted
     reg                     too_long, inverted;
     reg        [SIDE_W-1:0] add_lo, add_hi;    // complements where negative
     reg                     less_lo, less_hi;
@@ -126,6 +126,9 @@ module motion_sides #(
 
     wire              square_b = seed_b || long_b;  // both sides are as far from one place
     wire [SIDE_W-1:0] half     = only(seed_b, {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0}) | only(long_b, {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0});
+    wire shrinks_b = shrink_b && !inverted;
+    wire signed [15:0] next_v   = load ? m_v[15:0] : loads ? m_v[31:16] : from_place ? 16'sd0 : v_a;
+    wire signed [15:0] next_v_a = turn_b ? v_next : rub_b ? v_less : v;
     wire signed [15:0] slow    = rub_b ? v_slow : v;
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {slow[15]}}, slow};
     wire [SIDE_W-1:0] at_x     = {{(SIDE_W - 12 - X_W) {1'b0}}, x, 12'd0};
@@ -133,11 +136,30 @@ module motion_sides #(
     wire [1:0]        mark     = is_y ? marks[3:2] : marks[1:0];
     wire [SIDE_W-1:0] side     = apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0];
     // From the length to the longest one, in whole pixels, of which a part of one counts as one: negative where it is too long.
-    wire [PX_W+2:0]          spare    = {{(PX_W - 10) {1'b0}}, side_max, 1'b1} + {~apart[SIDE_W], ~apart[SIDE_W:12], ~|apart[11:0]};
-    wire signed [SIDE_W-1:0] base_lo  = from_place ? place : from_middle ? sum[SIDE_W:1] : lo_a;
-    wire signed [SIDE_W-1:0] base_hi  = from_place ? place : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
-    wire [SIDE_W:0]          sum_lo   = {base_lo, 1'b1} + {add_lo, less_lo};
-    wire [SIDE_W:0]          sum_hi   = {base_hi, 1'b1} + {add_hi, less_hi};
+    wire [PX_W+2:0]          spare    = {{(PX_W - 10) {1'b0}}, side_max, 1'b0} - {apart[SIDE_W], apart[SIDE_W:12], |apart[11:0]};
+    wire [SIDE_W-1:0]        base_lo  = from_place ? place : lo_a;  // or the middle
+    wire [SIDE_W-1:0]        base_hi  = from_place ? place : hi_from_lo ? lo_a : hi_a;
+    wire [SIDE_W-1:0]        sum_lo, sum_hi;
+
+    array_sum #(
+        .W(SIDE_W)
+    ) u_lo (
+        .a     (add_lo),
+        .choice(from_middle),
+        .one   ({sum[SIDE_W:1], less_lo}),
+        .other ({base_lo, less_lo}),
+        .y     (sum_lo)
+    );
+
+    array_sum #(
+        .W(SIDE_W)
+    ) u_hi (
+        .a     (add_hi),
+        .choice(from_middle),
+        .one   ({sum[SIDE_W:1], less_hi}),
+        .other ({base_hi, less_hi}),
+        .y     (sum_hi)
+    );
 
     // How far the side is from ref, or ref.
     motion_sum #(
@@ -183,16 +205,16 @@ module motion_sides #(
         do_hi       <= seed_b || (shrink_b && !mark[1]) || high_b || (unite_b && ref_hi[SIDE_W]) || move_b || (long_b && too_long)
                     || (order_b && inverted);
         less_lo     <= seed_b || long_b || unite_b;
-        less_hi     <= shrink_b || unite_b;
+        less_hi     <= shrinks_b || unite_b;
         add_lo      <= only(square_b, ~half) | only(move_b, way) | only(low_b, {cut_px, 12'd0}) | only(unite_b, ~ref_lo[SIDE_W-1:0])
-                     | only(shrink_b, part);
+                     | only(shrinks_b, part);
         add_hi      <= half | only(move_b, way) | only(high_b, {cut_px, 12'd0}) | only(unite_b, ~ref_hi[SIDE_W-1:0])
-                     | only(shrink_b, ~part);
+                     | only(shrinks_b, ~part);
 
         // in front
         {lo_b, hi_b} <= {lo_a, hi_a};
-        new_lo   <= sum_lo[SIDE_W:1];
-        new_hi   <= sum_hi[SIDE_W:1];
+        new_lo   <= sum_lo;
+        new_hi   <= sum_hi;
         take_lo  <= do_lo;
         take_hi  <= do_hi;
         checks_b <= checks;
@@ -207,23 +229,72 @@ module motion_sides #(
             ref_hi <= next_ref_hi;
             {ref_lo_a, ref_hi_a} <= settle || settles ? {(2 * SIDE_W + 2) {1'b0}} : {ref_lo, ref_hi};
         end
-        v      <= from_place ? 16'sd0 : v_a;
-        v_slow <= v_a >>> coast_slow;
-        v_part <= friction == 4'd0 ? 16'sd0 : v >>> friction;
+        v      <= next_v;
         v_less <= v_a - v_part;
-        v_a    <= turn_b ? v_next : rub_b ? v_less : v;
+        v_a    <= next_v_a;
 
         lane  <= is_y || load;
         is_y  <= !is_y && !load;
         loads <= load;
         takes <= load_refs;
-        if (load || loads) begin
-            {lo_b, hi_b} <= r_sides;
-            v            <= load ? m_v[15:0] : m_v[31:16];
-        end
+        if (load || loads) {lo_b, hi_b} <= r_sides;
         if (load_refs || takes) {ref_lo, ref_hi} <= {r_refs[2*SIDE_W-1], r_refs[SIDE_W+:SIDE_W], r_refs[SIDE_W-1], r_refs[0+:SIDE_W]};
         if (rst) {lane, is_y} <= 2'b01;
     end
+
+    // ---- what is a part of them: a shift to the right is a product with a power of two -------------------------------------
+
+    localparam LOW = 17;  // of the lower part of a length
+
+    wire [SIDE_W:0]    next_apart = {hi_b[SIDE_W-1], hi_b} - {lo_b[SIDE_W-1], lo_b};
+    wire [32:0]        v_parts;    // 2^16 times v_part
+    wire [20:0]        v_slows;    // 8 times v_slow
+    wire [LOW+17:0]    low_parts;  // 2^15 times the part of a length: of its lower bits,
+    wire [SIDE_W-LOW+17:0] high_parts;  // and of those above them, less by 2^LOW
+
+    assign v_part = v_parts[31:16];
+    assign v_slow = v_slows[18:3];
+    assign part   = {high_parts[SIDE_W-3:0], 2'b00} | {{(SIDE_W - LOW) {1'b0}}, low_parts[15+:LOW]};
+
+    multiplier #(
+        .A_W(16),
+        .B_W(17)
+    ) u_v_part (
+        .clk(clk),
+        .a  (next_v),
+        .b  (friction == 4'd0 ? 17'd0 : 17'h10000 >> friction),
+        .p  (v_parts)
+    );
+
+    multiplier #(
+        .A_W(16),
+        .B_W(5)
+    ) u_v_slow (
+        .clk(clk),
+        .a  (next_v_a),
+        .b  (5'd8 >> coast_slow),
+        .p  (v_slows)
+    );
+
+    multiplier #(
+        .A_W(LOW + 1),
+        .B_W(17)
+    ) u_low_part (
+        .clk(clk),
+        .a  ({1'b0, next_apart[LOW-1:0]}),
+        .b  (17'h8000 >> side_shrink),
+        .p  (low_parts)
+    );
+
+    multiplier #(
+        .A_W(SIDE_W - LOW + 1),
+        .B_W(17)
+    ) u_high_part (
+        .clk(clk),
+        .a  (next_apart[SIDE_W:LOW]),
+        .b  (17'h8000 >> side_shrink),
+        .p  (high_parts)
+    );
 
     wire [14:0] speed;
 
@@ -240,9 +311,8 @@ module motion_sides #(
     // ---- what follows from them ------------------------------------------------------------------------------------------
 
     always @(posedge clk) begin
-        apart    <= {hi_b[SIDE_W-1], hi_b} - {lo_b[SIDE_W-1], lo_b};
+        apart    <= next_apart;
         sum      <= {hi_b[SIDE_W-1], hi_b} + {lo_b[SIDE_W-1], lo_b};
-        part     <= apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0] >> side_shrink;
         inverted <= apart[SIDE_W];
         too_long <= spare[PX_W+2];
         shortened <= long_b && too_long;
@@ -262,7 +332,7 @@ module motion_sides #(
         end
     end
 
-    wire unused = &{1'b0, sum_lo[0], sum_hi[0], spare};
+    wire unused = &{1'b0, spare, v_parts, v_slows, low_parts, high_parts};
 
 endmodule
 

@@ -56,8 +56,8 @@ module motion_window #(
     reg signed [PX_W-1:0] low, high;             // pixels of the sides
     wire [PX_W-1:0]       next_low, next_high, window_low, window_high;
     reg signed [PX_W-1:0] low_x, high_x, low_y, high_y;
-    reg [PX_W-1:0]        base, part;            // what a ring follows from
-    reg [3:0]             shift;
+    wire [PX_W-1:0]       part;                  // what a ring follows from
+    wire [PX_W+17:0]      parts;                 // 2^15 times that: a shift to the right is a product with a power of two
     reg [7:0]             ring;
     reg [7:0]             ring_less;             // its complement
     reg [8:0]             room;                  // for `part`, within the widest ring, less one pixel
@@ -86,6 +86,18 @@ module motion_window #(
         .a  ({1'b0, second ? length_y : length_x}),
         .b  ({1'b0, elongation}),
         .p  (times)
+    );
+
+    assign part = parts[15+:PX_W];
+
+    multiplier #(
+        .A_W(PX_W + 1),
+        .B_W(17)
+    ) u_part (
+        .clk(clk),
+        .a  ({1'b0, on_y != short ? length_y : length_x}),
+        .b  (17'h8000 >> (short ? ring_along : along_x || along_y ? ring_across : ring_any)),
+        .p  (parts)
     );
 
     // A side's pixel, rounded to nearest: half a pixel is the carry.
@@ -153,9 +165,6 @@ module motion_window #(
             if (step[0]) {low_x, high_x} <= {first, last};
             if (step[1]) {low_y, high_y} <= {first, last};
 
-            base  <= on_y != short ? length_y : length_x;
-            shift <= short ? ring_along : along_x || along_y ? ring_across : ring_any;
-            part  <= base >> shift;
             room  <= {1'b0, ring_max} - {1'b0, ring_px} - 9'd1;
             ring      <= next_ring;
             ring_less <= ~next_ring;
@@ -172,7 +181,7 @@ module motion_window #(
         end
     end
 
-    wire unused = &{1'b0, sum[0], lo_x, hi_x, lo_y, hi_y, apart, times, spare};
+    wire unused = &{1'b0, sum[0], lo_x, hi_x, lo_y, hi_y, apart, times, spare, parts};
 
 endmodule
 
