@@ -280,7 +280,8 @@ module cell_memory #(
     reg  [WORD_W-1:0]    word_found, word_held, word_taken;
 
     wire [16*WORD_W-1:0] taken;  // of all banks
-    wire [3:0]           taken_bank = {lines[4*LINE_W +: 2], columns[4*COLUMN_W +: 2]};
+    wire [4*WORD_W-1:0]  taken_own;  // of those in the columns of the own bank
+    wire [WORD_W-1:0]    own_word;
     reg  [WORD_W-1:0]    own_then;
     wire [WORD_W:0]      own        = {1'b0, own_then};
     wire [PLACE_W-1:0]   own_place  = own[STAMP_W +: PLACE_W];
@@ -297,11 +298,32 @@ module cell_memory #(
             word_held  <= (same_found[3] && stays) ? write_word : word_found;
             new_taken  <= new_held || (same_held[2] && stays);
             word_taken <= (same_held[2] && stays) ? write_word : word_held;
-            own_then   <= (same_taken[1] && stays) ? write_word : new_taken ? word_taken : taken[taken_bank*WORD_W +: WORD_W];
+            own_then   <= (same_taken[1] && stays) ? write_word : new_taken ? word_taken : own_word;
             young      <= follows ? age_place == then_place && apart < silence
                                   : own_place == then_place && own_age < silence;
             elsewhere  <= follows ? age_place != then_place : own_place != then_place;
         end
+
+    genvar t;
+    generate
+        for (t = 0; t < 4; t = t + 1) begin : g_taken
+            mux4 #(
+                .W(WORD_W)
+            ) u_column (
+                .select(columns[4*COLUMN_W +: 2]),
+                .words (taken[4*t*WORD_W +: 4*WORD_W]),
+                .y     (taken_own[t*WORD_W +: WORD_W])
+            );
+        end
+    endgenerate
+
+    mux4 #(
+        .W(WORD_W)
+    ) u_line (
+        .select(lines[4*LINE_W +: 2]),
+        .words (taken_own),
+        .y     (own_word)
+    );
 
     // ---- banks -------------------------------------------------------------------------------------------------------
 
@@ -368,9 +390,9 @@ module cell_memory #(
 
     always @(posedge clk) if (advance) since_found <= since[STAMP_W +: STAMP_W];
 
-    reg  [STAMP_W-1:0] limit;  // of an age that is within, of the slot in `then`
+    reg  [STAMP_W-1:0] limit;  // complement of that of an age that is within, of the slot in `then`
 
-    always @(posedge clk) if (advance) limit <= visits[4] ? KEEP - 1'b1 : window;
+    always @(posedge clk) if (advance) limit <= ~(visits[4] ? KEEP - 1'b1 : window);
 
     // The word that the neighbour in a bank lies in; where there is none on the sensor, any.
     wire [ROW_W-1:0] right = {{(ROW_W - 1) {1'b0}}, !visits[0] && columns[1:0] == 2'd3};
@@ -396,8 +418,8 @@ module cell_memory #(
             wire [WORD_W-1:0] held;
             reg  [WORD_W-1:0] word;  // in `taken`
             reg  [STAMP_W-1:0] age;  // in `then`
-            wire [STAMP_W:0]  remains = {1'b0, limit} - {1'b0, age};  // as a difference synthesis makes less of it than as a comparison
-            wire              unused = &{1'b0, remains};
+            wire [STAMP_W:0]  beyond = {1'b1, limit} + {1'b0, age};  // by how much it is more, less 1: negative where it is within
+            wire              unused = &{1'b0, beyond};
 
             block_memory #(
                 .W    (WORD_W),
@@ -419,7 +441,7 @@ module cell_memory #(
                 if (advance) begin
                     word      <= held;
                     age       <= now[4*STAMP_W +: STAMP_W] - word[STAMP_W-1:0];
-                    recent[b] <= !remains[STAMP_W];
+                    recent[b] <= beyond[STAMP_W];
                 end
 
             if (AGES != 0) begin : g_age

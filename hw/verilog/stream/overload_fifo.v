@@ -71,8 +71,19 @@ module overload_fifo #(
 
     reg  [GAP_W-1:0] waiting;  // ticks of what was dropped, and of tokens of ticks alone
     reg              waits;    // there are any: known without looking at all of them
-    wire [GAP_W-1:0] ticks = waiting + (s_valid ? s_tick : {GAP_W{1'b0}}) + {{(GAP_W - 1) {1'b0}}, s_time};
+    wire [GAP_W-1:0] ticks;
     wire             some  = waits || (s_valid && s_tick != {GAP_W{1'b0}}) || s_time;
+
+    // waiting, s_tick if there is a token, and s_time, which is the carry.
+    array_sum #(
+        .W(GAP_W)
+    ) u_ticks (
+        .a     (waiting),
+        .choice(s_valid),
+        .one   ({s_tick, s_time}),
+        .other ({{GAP_W{1'b0}}, s_time}),
+        .y     (ticks)
+    );
 
     wire room, queue_valid, queue_ready, queue_event, queue_skip, queue_p, output_idle;
     wire [GAP_W-1:0]   queue_tick;

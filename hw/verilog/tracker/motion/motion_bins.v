@@ -32,7 +32,19 @@ module motion_bins #(
     reg [BIN_W-1:0]   more_3, more_4, more_5;
     reg [2:0]         is_1, is_2;  // the place is that of the event 1, 2 or 3 before
 
-    wire [BIN_W-1:0] known = is_2[0] ? more_3 : is_2[1] ? more_4 : is_2[2] ? more_5 : read_2;
+    wire [BIN_W-1:0] next_more;
+
+    // One more than what is known of the place.
+    array_sum #(
+        .W    (BIN_W),
+        .ROUND(0)
+    ) u_more (
+        .a     ({{(BIN_W - 1) {1'b0}}, 1'b1}),
+        .choice(is_2[0]),
+        .one   ({more_3, 1'b0}),
+        .other ({is_2[1] ? more_4 : is_2[2] ? more_5 : read_2, 1'b0}),
+        .y     (next_more)
+    );
 
     // One to count in, one to look at.
     block_memory #(
@@ -74,7 +86,7 @@ module motion_bins #(
         place_2  <= place_1;
         is_2     <= is_1;
 
-        more_3   <= clear_2 ? {BIN_W{1'b0}} : known + {{(BIN_W - 1) {1'b0}}, 1'b1};
+        more_3   <= clear_2 ? {BIN_W{1'b0}} : next_more;
         writes_3 <= writes_2;
         place_3  <= place_2;
         more_4   <= more_3;

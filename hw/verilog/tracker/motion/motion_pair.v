@@ -80,8 +80,7 @@ module motion_pair #(
     wire                   box_y      = leads_y == along;
     wire                   other_hi   = part[1] || part[3];
     wire                   other_lo   = part[1] || part[2];
-    wire [2*PX_W-1:0]      own_axis   = box_y ? one_box[0+:2*PX_W] : one_box[2*PX_W+:2*PX_W];
-    wire [2*PX_W-1:0]      other_axis = box_y ? other_box[0+:2*PX_W] : other_box[2*PX_W+:2*PX_W];
+    wire [PX_W-1:0]        next_hi, next_lo;
     wire signed [GAP_W:0]  beyond     = {side[GAP_W-1], side} - {least[GAP_W-1], least};  // the sign of a difference is a comparison
     wire                   lower      = beyond[GAP_W];
     wire signed [GAP_W:0]  wider      = {least[GAP_W-1], least} - {3'b000, half};
@@ -89,7 +88,25 @@ module motion_pair #(
     wire signed [GAP_W-1:0] spare     = least + $signed({1'b0, near});
     wire                   shifted    = fast_down == 4'd0 && reach_down == 4'd0;
     wire                   busy       = |step || |part || waits;
+    wire                   lowers_fast  = fast_down != 4'd0 && !step[4];
+    wire                   lowers_reach = reach_down != 4'd0 && (along || !part[4]);
     wire                   judges     = waits && (!along || shifted);
+
+    mux4 #(
+        .W(PX_W)
+    ) u_hi (
+        .select({other_hi, box_y}),
+        .words ({other_box[0+:PX_W], other_box[2*PX_W+:PX_W], one_box[0+:PX_W], one_box[2*PX_W+:PX_W]}),
+        .y     (next_hi)
+    );
+
+    mux4 #(
+        .W(PX_W)
+    ) u_lo (
+        .select({other_lo, box_y}),
+        .words ({other_box[PX_W+:PX_W], other_box[3*PX_W+:PX_W], one_box[PX_W+:PX_W], one_box[3*PX_W+:PX_W]}),
+        .y     (next_lo)
+    );
 
     motion_sum #(
         .W(PX_W)
@@ -139,27 +156,22 @@ module motion_pair #(
             most     <= {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
             agrees   <= !margin[17];
             agrees_1 <= agrees;
-            if (step[1] || (|step[4:2] && !slower)) fast <= speed;
+            if (lowers_fast || step[1] || (|step[4:2] && !slower)) fast <= lowers_fast ? {1'b0, fast[14:1]} : speed;
             if (step[2]) leads_y <= !slower;
             if (step[4]) fast_down <= join_speed;
-            else if (fast_down != 4'd0) begin
-                fast      <= {1'b0, fast[14:1]};
-                fast_down <= fast_down - 4'd1;
-            end
+            else if (lowers_fast) fast_down <= fast_down - 4'd1;
 
-            hi   <= other_hi ? other_axis[0+:PX_W] : own_axis[0+:PX_W];
-            lo   <= other_lo ? other_axis[PX_W+:PX_W] : own_axis[PX_W+:PX_W];
+            hi   <= next_hi;
+            lo   <= next_lo;
             side <= {hi[PX_W-1], hi} - {lo[PX_W-1], lo};
             if (part[2] || (|part[5:3] && lower)) least <= side;
             if (part[4]) half <= least[PX_W-1:1];
             last_side <= side[PX_W-1:0];
             is_longer <= part[3] && !lower;
-            if (!along && (part[2] || is_longer)) reach <= part[2] ? side[PX_W-1:0] : last_side;
+            if (lowers_reach || (!along && (part[2] || is_longer)))
+                reach <= lowers_reach ? {1'b0, reach[PX_W-1:1]} : part[2] ? side[PX_W-1:0] : last_side;
             if (!along && part[4]) reach_down <= join_reach;
-            else if (reach_down != 4'd0) begin
-                reach      <= {1'b0, reach[PX_W-1:1]};
-                reach_down <= reach_down - 4'd1;
-            end
+            else if (lowers_reach) reach_down <= reach_down - 4'd1;
             if (judges) begin
                 abreast   <= !wider[GAP_W];
                 close     <= !spare[GAP_W-1];
