@@ -13,8 +13,8 @@ quick = true
 
 [[faults]]
 meaning = "it goes on for one bit more"
-right = "divides && left != 6'd0"
-wrong = "divides && left != 6'd63"
+right = "if (left == 6'd0) divides"
+wrong = "if (left == 6'd63) divides"
 breaks = ["divides"]
 within = 14
 */
