@@ -82,8 +82,8 @@ within = 10
 
 [[faults]]
 meaning = "a step under way is compared with the token behind"
-right = "gives ? next[X_W+Y_W+4+:DUE_W] : m_time[DUE_W-1:0]"
-wrong = "next[X_W+Y_W+4+:DUE_W]"
+right = "holds ? after_step[DUE_W-1] : until_step[DUE_W-1]"
+wrong = "until_step[DUE_W-1]"
 breaks = ["due"]
 within = 12
 */

@@ -28,9 +28,11 @@ module shift_saturate #(
     wire [OUT_W:0]    by_2 = shift[1] ? by_4[OUT_W+2:2] : by_4[OUT_W:0];
     wire [OUT_W-1:0]  by_1 = shift[0] ? by_2[OUT_W:1] : by_2[OUT_W-1:0];
 
-    wire [IN_W-OUT_W-1:0] beyond = value[IN_W-1:OUT_W] & ({(IN_W - OUT_W) {1'b1}} << shift);  // bits that leave the result
+    // Bits that leave the result, at each step.
+    wire beyond = (!shift[3] && wide >> OUT_W + 7 != {(WIDE_W + 1) {1'b0}}) || (shift[3] && wide >> OUT_W + 15 != {(WIDE_W + 1) {1'b0}})
+               || (!shift[2] && |by_8[OUT_W+6:OUT_W+3]) || (!shift[1] && |by_4[OUT_W+2:OUT_W+1]) || (!shift[0] && by_2[OUT_W]);
 
-    assign y = by_1 | {OUT_W{|beyond}};
+    assign y = by_1 | {OUT_W{beyond}};
 
     wire unused = &{1'b0, wide};
 

@@ -74,12 +74,14 @@ module motion_queue #(
     wire              reads = gives || !next_valid;
     wire              any   = written != read;
     wire [4:0]        level = written - read;
-    // Of the token that comes to the output, or of the one that stays there: negative before a step, and before due_tick.
-    wire [DUE_W-1:0]  at_tick     = gives ? next[X_W+Y_W+4+:DUE_W] : m_time[DUE_W-1:0];
-    wire [DUE_W-1:0]  from_step   = at_tick - next_step[DUE_W-1:0];
-    wire [DUE_W-1:0]  from_due    = at_tick - due_tick;
-    wire [DUE_W-1:0]  behind      = at_tick - now[DUE_W-1:0];
-    wire              before_step = from_step[DUE_W-1];
+    // Negative before a step: of the token that comes to the output, and of the one that is there.
+    wire [DUE_W-1:0]  until_step = next[X_W+Y_W+4+:DUE_W] - next_step[DUE_W-1:0];
+    wire [DUE_W-1:0]  after_step = m_time[DUE_W-1:0] - next_step[DUE_W-1:0];
+    wire [DUE_W-1:0]  until_due   = next[X_W+Y_W+4+:DUE_W] - due_tick;
+    wire [DUE_W-1:0]  after_due   = m_time[DUE_W-1:0] - due_tick;
+    wire [DUE_W-1:0]  behind_next = next[X_W+Y_W+4+:DUE_W] - now[DUE_W-1:0];
+    wire [DUE_W-1:0]  behind      = m_time[DUE_W-1:0] - now[DUE_W-1:0];
+    wire              before_step = holds ? after_step[DUE_W-1] : until_step[DUE_W-1];
 
     wire [4:0]        before_it   = in_later ? 5'd0 : same_tick;
 
@@ -118,8 +120,8 @@ module motion_queue #(
             m_due  <= !before_step;
             m_runs <= before_step;
         end
-        m_late <= !from_due[DUE_W-1];
-        m_far  <= |behind[DUE_W-1:8];
+        m_late <= gives ? !until_due[DUE_W-1] : !after_due[DUE_W-1];
+        m_far  <= gives ? |behind_next[DUE_W-1:8] : |behind[DUE_W-1:8];
         if (holds ? !m_valid : gives && !next_valid) {m_due, m_runs} <= 2'b00;
         if (rst) begin
             in_valid   <= 1'b0;
@@ -136,7 +138,7 @@ module motion_queue #(
         end
     end
 
-    wire unused = &{1'b0, from_step, from_due, behind, next_step, now};
+    wire unused = &{1'b0, until_step, after_step, until_due, after_due, behind, behind_next, next_step, now};
 
 endmodule
 

@@ -217,6 +217,19 @@ module motion_slot #(
         .y    (next_together)
     );
 
+    // Of events until the next correction: as many as pixels, within limits.
+    wire       few  = outline < {{(PX_W - 9) {1'b0}}, nev_low};
+    wire       many = {{(PX_W - 9) {1'b0}}, nev_high} < outline;
+    wire [9:0] next_n_ev;
+
+    mux4 #(
+        .W(10)
+    ) u_n_ev (
+        .select(load ? 2'd3 : seed || few ? 2'd2 : {1'b0, many}),
+        .words ({q_n_ev, nev_low, nev_high, outline[9:0]}),
+        .y     (next_n_ev)
+    );
+
     // Bins of 2^n pixels, eight to sixteen for the whole side.
     function [4:0] log2_of;
         input [PX_W-1:0] length;
@@ -236,6 +249,7 @@ module motion_slot #(
         next_log2 <= {log2_of(length_y), log2_of(length_x)};
         outline  <= {1'b0, length_x} + {1'b0, length_y};
 
+        if (load || seed || count) n_ev <= next_n_ev;
         if (load) begin
             marks       <= begin_job ? job_marks : 4'd0;
             support     <= sum_support[SUP_W] ? {SUP_W{1'b1}} : sum_support[SUP_W-1:0];
@@ -243,7 +257,6 @@ module motion_slot #(
             hidden      <= q_hidden;
             meets       <= q_meets;
             runs        <= q_runs;
-            n_ev        <= q_n_ev;
             corrections <= q_corrections;
             looked      <= q_looked;
             has_partner <= q_has_partner;
@@ -257,7 +270,6 @@ module motion_slot #(
             hidden      <= 4'd0;
             meets       <= 1'b0;
             runs        <= 8'd0;
-            n_ev        <= nev_low;
             corrections <= 6'd0;
         end
         if (offset) begin
@@ -265,8 +277,6 @@ module motion_slot #(
             if (gap_corrections != 8'd0) looked <= looked + 8'd1;
         end
         if (count) begin
-            n_ev <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
-                  : {{(PX_W - 9) {1'b0}}, nev_high} < outline ? nev_high : outline[9:0];
             if (corrections != 6'd63) corrections <= corrections + 6'd1;
         end
         if (begin_bins) begin
