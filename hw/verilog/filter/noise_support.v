@@ -140,7 +140,7 @@ module noise_support #(
     reg [COUNT_W-1:0]  touched_reg;   // cells with an event in the open window
     reg [COUNT_W-1:0]  alone_reg;     // those of them with one pixel
 
-    wire [2:0]       most    = (noise_log2 < 5'd6) ? noise_log2[2:0] : 3'd6;
+    reg  [2:0]       most;            // its limit
     wire [2:0]       shorter = (shorter_reg > most) ? most : shorter_reg;
     reg  [4:0]       window_reg;  // log2 of the open window's ticks
     reg  [SUM_W-1:0] above_reg;   // the bits of a tick above it; settled two clocks after a change of `shorter`
@@ -301,6 +301,7 @@ module noise_support #(
     );
 
     always @(posedge clk) begin
+        most       <= (noise_log2 < 5'd6) ? noise_log2[2:0] : 3'd6;
         window_reg <= noise_log2 - {2'd0, shorter};
         above_reg  <= {SUM_W{1'b1}} << window_reg;
         if (notes) begin
