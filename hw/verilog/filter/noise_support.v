@@ -141,7 +141,7 @@ module noise_support #(
     reg [COUNT_W-1:0]  alone_reg;     // those of them with one pixel
 
     reg  [2:0]       most;            // its limit
-    wire [2:0]       shorter = (shorter_reg > most) ? most : shorter_reg;
+    reg  [2:0]       shorter;         // shorter_reg, within that limit
     reg  [4:0]       window_reg;  // log2 of the open window's ticks
     reg  [SUM_W-1:0] above_reg;   // the bits of a tick above it; settled two clocks after a change of `shorter`
     wire [SUM_W-1:0] wide_now = {{(SUM_W - NOW_W) {1'b0}}, now_reg};
@@ -244,6 +244,7 @@ module noise_support #(
     wire [COUNT_W+1:0] four_touched = {touched_reg, 2'b00};
     wire [COUNT_W+1:0] all_cells    = {2'b00, ALL_CELLS[COUNT_W-1:0]};
     wire               measured     = !dense_reg || shorter == most;
+    wire [2:0]         next_shorter = !dense_reg ? shorter - {2'd0, shorter != 3'd0} : shorter + {2'd0, shorter != most};
 
     localparam [31:0] FIRST = (1 << PLACE_W) - FRAC, LAST = MEAN_W - FRAC - 1;
 
@@ -301,6 +302,7 @@ module noise_support #(
     );
 
     always @(posedge clk) begin
+        shorter    <= (most < shorter_reg) ? most : shorter_reg;
         most       <= (noise_log2 < 5'd6) ? noise_log2[2:0] : 3'd6;
         window_reg <= noise_log2 - {2'd0, shorter};
         above_reg  <= {SUM_W{1'b1}} << window_reg;
@@ -358,8 +360,7 @@ module noise_support #(
                 if (step_reg == NOISE_6[2:0]) state_reg <= OPEN;
             end
             OPEN: begin
-                if (dense_reg) shorter_reg <= (shorter == most) ? most : shorter + 1'b1;
-                else if (sparse_reg) shorter_reg <= (shorter == 3'd0) ? 3'd0 : shorter - 1'b1;
+                if (dense_reg || sparse_reg) {shorter_reg, shorter} <= {2{next_shorter}};
                 touched_reg <= {COUNT_W{1'b0}};
                 alone_reg   <= {COUNT_W{1'b0}};
                 number_reg  <= number_reg + 1'b1;
@@ -381,7 +382,7 @@ module noise_support #(
             touched_reg    <= {COUNT_W{1'b0}};
             alone_reg      <= {COUNT_W{1'b0}};
             number_reg     <= {{(NUMBER_W - 1) {1'b0}}, 1'b1};
-            shorter_reg    <= 3'd0;
+            {shorter_reg, shorter} <= 6'd0;
             windows_reg    <= 3'd0;
             support_reg    <= UNKNOWN;
         end
