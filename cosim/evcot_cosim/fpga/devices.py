@@ -111,10 +111,10 @@ _GOWIN_CELLS = {
 }
 
 
-# ABC maps the logic four times, each time from the result before. PFU multiplexers would join LUTs of which more are needed.
+# ABC maps the logic five times, each time from the result before. PFU multiplexers would join LUTs of which more are needed.
 _MAP = "&dch,-f;&if,{W},{D},{R};&mfs"
 _SMALL_ECP5 = (
-    f'scratchpad -set abc9.script "+&scorr;&sweep;&dc2;{_MAP}{f";&st;&syn2;{_MAP}" * 3}"',
+    f'scratchpad -set abc9.script "+&scorr;&sweep;&dc2;{_MAP}{f";&st;&syn2;{_MAP}" * 4}"',
     "synth_ecp5 -nowidelut",
 )
 

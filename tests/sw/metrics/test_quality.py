@@ -105,7 +105,7 @@ def test_a_track_that_is_found_again_counts_once_whole_or_in_parts(cut: int | No
     log.records["event_index"] = np.searchsorted(times_us, log.records["t_us"])
     events, alone = events_at(times_us), np.zeros(len(times_us), np.bool_)
     counter = QualityCounter(0, 10 * SECOND)
-    cutter = LogParts(log.engine, iter([(log.records, log.owner)]))
+    cutter = LogParts(log)
     for part in (slice(0, cut), slice(cut, None)) if cut else (slice(None),):
         last = part.stop is None
         counter.add(cutter.take(len(events[part]), last=last)[0], events[part], alone[part], last=last)
