@@ -307,14 +307,15 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
         ticked = clock.count(chunk)
         expected = golden.feed(ticked)
         model.add(to_track_records(expected.records, device_config, chunk.t_us, first, t0_us), expected.owner)
+        broken = False
         try:
             decided = device.stream(ticked)
             records, owner = decided.records, decided.owner
         except HardwareError:
-            records, owner = np.empty(0, RECORD), np.full(len(chunk), -1, np.int16)
+            broken, records, owner = True, np.empty(0, RECORD), np.full(len(chunk), -1, np.int16)
         hardware.add(to_track_records(records, device_config, chunk.t_us, first, t0_us), owner)
         first += len(chunk)
-        if first > found.event_index:
+        if broken or first > found.event_index:
             break
     return _held(hardware), _held(model)
 

@@ -132,7 +132,8 @@ class Engines:
         if self._made_of is not None:
             self._made_of.add(chunk)
         for side, decided in (("hardware", step.hardware), ("model", step.model)):
-            if side in self._logs and decided is not None:
+            if side in self._logs:
+                assert decided is not None
                 records = to_track_records(decided.records, self.lockstep.config, chunk.t_us, first, self.begin_us)
                 self._logs[side].add(records, decided.owner)
                 if side == "hardware" and self.classifier is not None:
