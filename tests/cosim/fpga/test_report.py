@@ -294,3 +294,8 @@ def test_other_sizes_and_families_are_other_cases_and_those_of_the_past_are_drop
     others = [replace(SMALL, n=16, device="ecp5-45"), replace(SMALL, device="hx8k"), replace(SMALL, device="gowin")]
     assert len(recorded_rows(by_name(SMALL, *others))) == 4
     assert not recorded_rows(by_name(replace(SMALL, module="cot_engine"), replace(SMALL, device="ecp5-12")))
+
+
+def test_the_page_has_the_commands_that_map_for_few_luts() -> None:
+    *before, synthesis = DEVICES["ecp5-45"].small
+    assert f"`{'; '.join([*before, synthesis])} -top evcot_top -json out.json`" in (REPOSITORY / "docs" / "fpga.md").read_text()
